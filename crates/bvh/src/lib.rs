@@ -1,0 +1,1 @@
+//! Bounding volume hierarchies: built by obvhs, laid out wide, traversed with instances.

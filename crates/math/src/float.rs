@@ -1,0 +1,35 @@
+//! Floating-point error: bounds after pbrt-v4 section 6.8.1 ("Floating-Point Arithmetic").
+
+use crate::{Normal3, Point3, Vector3};
+use glam::Vec3;
+
+/// Half the distance between 1 and the next float: the largest relative error of one rounding.
+pub const MACHINE_EPSILON: f32 = f32::EPSILON * 0.5;
+
+/// Bound of the relative error after `n` roundings: `n ε / (1 − n ε)`.
+#[inline]
+pub const fn gamma(n: i32) -> f32 {
+    let e = n as f32 * MACHINE_EPSILON;
+    e / (1.0 - e)
+}
+
+/// The origin of a ray that leaves a surface point in direction `w`, moved along the geometric
+/// normal just past the box of the point's rounding error, so that the true surface lies behind it.
+///
+/// `error` is the absolute error of `p` in each axis. pbrt-v4 section 6.8.6.
+#[inline]
+pub fn offset_ray_origin(p: Point3, error: Vec3, n: Normal3, w: Vector3) -> Point3 {
+    let d = n.0.abs().dot(error);
+    let offset = if w.dot_normal(n) < 0.0 { -d * n.0 } else { d * n.0 };
+    let moved = p.0 + offset;
+    let away = |v: f32, o: f32| {
+        if o > 0.0 {
+            v.next_up()
+        } else if o < 0.0 {
+            v.next_down()
+        } else {
+            v
+        }
+    };
+    Point3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+}

@@ -1,0 +1,1 @@
+//! Python module and package umber: the usd-core front end.

@@ -1,0 +1,1 @@
+//! Compiles a scene store to a frozen render scene, integrates it, and keeps the film.

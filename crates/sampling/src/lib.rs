@@ -1,0 +1,1 @@
+//! Sample sequences, warps, distributions and MIS weights.

@@ -1,0 +1,1 @@
+//! The one table of settings: key, type, default, range, UI name, doc.

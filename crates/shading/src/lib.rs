@@ -1,0 +1,1 @@
+//! Textures, BSDF lobes, materials and lights.
