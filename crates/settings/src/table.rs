@@ -1,0 +1,128 @@
+//! The rows, and the typed struct made from them.
+
+use crate::{Setting, SettingError, SettingType, Value, parse};
+
+macro_rules! settings {
+    ($($field:ident: $type:ty = $default:expr, $key:literal, $range:expr, $label:literal, $doc:literal;)*) => {
+        /// Every setting with its type; one field a row of [`TABLE`].
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Settings {
+            $(#[doc = $doc] pub $field: $type,)*
+        }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        /// All settings, in the order in which a user should meet them.
+        pub static TABLE: std::sync::LazyLock<Vec<Setting>> = std::sync::LazyLock::new(|| {
+            vec![$(Setting {
+                key: $key,
+                default: SettingType::wrap($default as $type),
+                range: $range,
+                label: $label,
+                doc: $doc,
+            },)*]
+        });
+
+        impl Settings {
+            /// Value of the setting named `key`.
+            pub fn get(&self, key: &str) -> Option<Value> {
+                match key {
+                    $($key => Some(SettingType::wrap(self.$field)),)*
+                    _ => None,
+                }
+            }
+
+            fn assign(&mut self, key: &str, value: &Value) {
+                match key {
+                    $($key => if let Some(v) = SettingType::unwrap(value) { self.$field = v },)*
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+settings! {
+    converged_samples_per_pixel: u32 = 64, "convergedSamplesPerPixel", Some((1.0, 16_777_216.0)),
+        "Samples Per Pixel", "Samples a pixel at which the picture is finished.";
+    converged_variance: f32 = -1.0, "convergedVariance", Some((-1.0, 1.0)),
+        "Variance Threshold", "Finished earlier once the mean relative variance of the pixels is at most this; negative: never.";
+    enable_interactive: bool = true, "enableInteractive", None,
+        "Interactive", "Show every pass as soon as it is done; off: fewer, larger passes for final frames.";
+    dome_light_camera_visibility: bool = true, "domeLightCameraVisibility", None,
+        "Dome Light Camera Visibility", "Whether the camera sees dome lights in the background.";
+    max_bounces: u32 = 8, "umber:maxBounces", Some((0.0, 1024.0)),
+        "Max Bounces", "Scattering events a path may have; 0 shows emission alone, 1 direct light.";
+    roulette_bounces: u32 = 3, "umber:rouletteBounces", Some((0.0, 1024.0)),
+        "Russian Roulette From", "Scattering events after which dim paths may be ended at random, without bias.";
+    seed: u32 = 0, "umber:seed", Some((0.0, 4_294_967_295.0)),
+        "Seed", "Start of the sample sequence: same seed, same picture.";
+    threads: u32 = 0, "umber:threads", Some((0.0, 4096.0)),
+        "Threads", "Render threads; 0 takes every core.";
+}
+
+impl Settings {
+    /// Sets `key` to `value`, converting between kinds where nothing is lost (Hydra hosts send an
+    /// int for a float, or a bool for an int). True where the value is now another one.
+    ///
+    /// # Errors
+    /// Unknown key (the nearest known one is named), wrong kind, out of range; nothing changes then.
+    pub fn set(&mut self, key: &str, value: &Value) -> Result<bool, SettingError> {
+        let row = parse::row(key)?;
+        let value = parse::convert(row, value)?;
+        let changed = self.get(key).as_ref() != Some(&value);
+        self.assign(key, &value);
+        Ok(changed && self.get(key).is_some())
+    }
+
+    /// Sets `key` from text, as on a command line. True where the value is now another one.
+    ///
+    /// # Errors
+    /// As [`Settings::set`], and where the text is no value of the setting's type.
+    pub fn set_from_text(&mut self, key: &str, text: &str) -> Result<bool, SettingError> {
+        let value = parse::parse(parse::row(key)?, text)?;
+        self.set(key, &value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_and_struct_agree() {
+        let defaults = Settings::default();
+        for row in TABLE.iter() {
+            assert_eq!(defaults.get(row.key).as_ref(), Some(&row.default), "{}", row.key);
+            assert!(!row.doc.is_empty() && !row.label.is_empty(), "{}", row.key);
+            assert_eq!(row.range.is_none(), matches!(row.default, Value::Bool(_)), "{}", row.key);
+            assert_eq!(TABLE.iter().filter(|r| r.key == row.key).count(), 1, "{}", row.key);
+        }
+    }
+
+    #[test]
+    fn set_reports_change_by_value() {
+        let mut s = Settings::default();
+        assert_eq!(s.set("domeLightCameraVisibility", &Value::Bool(true)), Ok(false));
+        assert_eq!(s.set("domeLightCameraVisibility", &Value::Int(0)), Ok(true));
+        assert!(!s.dome_light_camera_visibility);
+        assert_eq!(s.set("convergedVariance", &Value::Int(0)), Ok(true));
+        assert_eq!(s.set_from_text("umber:maxBounces", "8"), Ok(false));
+    }
+
+    #[test]
+    fn errors_name_key_and_value() {
+        let mut s = Settings::default();
+        let said = |e: Result<bool, SettingError>| e.unwrap_err().to_string();
+        assert!(said(s.set_from_text("umber:maxBounce", "8")).contains("umber:maxBounces"));
+        assert!(said(s.set_from_text("umber:maxBounces", "-1")).contains("-1"));
+        assert!(said(s.set_from_text("umber:maxBounces", "many")).contains("many"));
+        assert!(said(s.set("umber:maxBounces", &Value::Float(0.5))).contains("0.5"));
+        assert!(said(s.set("convergedVariance", &Value::Float(f64::NAN))).contains("NaN"));
+        assert_eq!(s, Settings::default());
+    }
+}
