@@ -1,0 +1,1 @@
+//! Furnace, reciprocity, densities.

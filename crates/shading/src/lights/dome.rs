@@ -1,0 +1,77 @@
+//! Dome light: constant, or a latitude-longitude map sampled by its luminance.
+
+use std::sync::Arc;
+
+use glam::{Mat3, Vec2};
+use umber_math::{DVec3, Rgb, Vector3};
+use umber_sampling::warp;
+
+use super::LightSample;
+use super::params::{Emission, LightParams, LightProblem};
+use crate::EnvironmentMap;
+
+/// A light that surrounds the scene. `normalize` has no effect on it.
+///
+/// The map is placed as UsdLuxDomeLight says, by OpenEXR's definition: in light space +Y is up, the middle of
+/// the image looks along +Z, a quarter from its left edge along +X, its left and right edges along −Z, and a
+/// quarter from its right edge along −X. Of the transform only the rotation counts (and a mirroring): scale and
+/// shear are taken off, as directions have no size.
+#[derive(Clone, Debug)]
+pub struct DomeLight {
+    pub(crate) emission: Emission,
+    texture: Option<Arc<EnvironmentMap>>,
+    /// Orthogonal.
+    render_from_light: Mat3,
+}
+
+impl DomeLight {
+    pub(crate) fn new(
+        p: &LightParams,
+        texture: Option<Arc<EnvironmentMap>>,
+        problems: &mut Vec<LightProblem>,
+    ) -> Result<Self, LightProblem> {
+        let m = p.render_from_light.matrix3;
+        // Gram-Schmidt, up first: the horizon stays level under a shear.
+        let y = m.y_axis.normalize_or_zero();
+        let z = (m.z_axis - y * m.z_axis.dot(y)).normalize_or_zero();
+        let x = y.cross(z) * if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+        if y == DVec3::ZERO || z == DVec3::ZERO || m.determinant() == 0.0 {
+            return Err(LightProblem::SingularTransform);
+        }
+        let render_from_light = Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3());
+        Ok(Self { emission: Emission::new(p, 1.0, 1.0, problems), texture, render_from_light })
+    }
+    #[inline]
+    pub(crate) fn sample(&self, u: Vec2) -> Option<LightSample> {
+        let (wi_light, texel, pdf_solid_angle) = match &self.texture {
+            Some(map) => map.sample(u),
+            None => (warp::uniform_sphere(u), Rgb::WHITE, warp::UNIFORM_SPHERE_PDF_SOLID_ANGLE),
+        };
+        let wi = Vector3(self.render_from_light * wi_light.0).normalized();
+        let radiance = self.emission.radiance * texel;
+        let distance = f32::INFINITY;
+        (pdf_solid_angle > 0.0).then_some(LightSample { wi, radiance, pdf_solid_angle, distance, is_delta: false })
+    }
+    #[inline]
+    pub(crate) fn pdf_solid_angle(&self, wi: Vector3) -> f32 {
+        match &self.texture {
+            Some(map) => map.pdf_solid_angle(self.to_light(wi)),
+            None => warp::UNIFORM_SPHERE_PDF_SOLID_ANGLE,
+        }
+    }
+    #[inline]
+    pub(crate) fn radiance(&self, wi: Vector3) -> Rgb {
+        match &self.texture {
+            Some(map) => self.emission.radiance * map.radiance(self.to_light(wi)),
+            None => self.emission.radiance,
+        }
+    }
+    #[inline]
+    fn to_light(&self, wi: Vector3) -> Vector3 {
+        Vector3(self.render_from_light.transpose() * wi.0)
+    }
+    /// Mean radiance over all directions.
+    pub(crate) fn mean_radiance(&self) -> Rgb {
+        self.emission.radiance * self.texture.as_ref().map_or(Rgb::WHITE, |t| t.mean_radiance())
+    }
+}

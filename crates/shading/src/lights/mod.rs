@@ -1,0 +1,188 @@
+//! Lights, in render space (world space moved: directions agree).
+//!
+//! Radiometry is UsdLux's (OpenUSD 25.08, `UsdLuxLightAPI`): radiance is intensity · 2^exposure · color, times
+//! the colour of the temperature, divided by the size with `normalize`.
+
+mod distant;
+mod dome;
+mod params;
+mod rect;
+mod select;
+mod sphere;
+mod spherical_rect;
+mod tree;
+
+use std::f32::consts::PI;
+
+use glam::Vec2;
+use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
+
+pub use distant::DistantLight;
+pub use dome::DomeLight;
+use params::Emission;
+pub use params::{LightKind, LightParams, LightProblem};
+pub use rect::RectLight;
+pub use select::LightSampler;
+pub use sphere::SphereLight;
+
+/// A direction to a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// To the light, render space, unit.
+    pub wi: Vector3,
+    /// Radiance that arrives if nothing is in between; of a delta light, the irradiance on a surface that faces it.
+    pub radiance: Rgb,
+    /// Density of the direction; 1 for a delta light.
+    pub pdf_solid_angle: f32,
+    /// To the sampled point of the light; infinite for distant and dome lights.
+    pub distance: f32,
+    /// Whether no ray could find the direction by chance.
+    pub is_delta: bool,
+}
+
+/// A ray's hit with a light's shape.
+#[derive(Clone, Copy, Debug)]
+pub struct LightHit {
+    /// Ray parameter.
+    pub t: f32,
+    /// Radiance towards the ray's origin; black on a side that does not emit.
+    pub radiance: Rgb,
+}
+
+/// A light.
+#[derive(Clone, Debug)]
+pub enum Light {
+    /// From infinitely far, one direction.
+    Distant(DistantLight),
+    /// From infinitely far, all directions.
+    Dome(DomeLight),
+    /// A rectangle.
+    Rect(RectLight),
+    /// A sphere or a point.
+    Sphere(SphereLight),
+}
+
+impl Light {
+    /// A light and what of its description had to be mended.
+    ///
+    /// # Errors
+    /// Where the light has no shape left to emit from: a singular transform, no area. Leave it out.
+    pub fn new(desc: &LightParams) -> Result<(Self, Vec<LightProblem>), LightProblem> {
+        if !desc.render_from_light.is_finite() {
+            return Err(LightProblem::SingularTransform);
+        }
+        let mut problems = Vec::new();
+        let light = match &desc.kind {
+            LightKind::Distant { angle_deg } => Self::Distant(DistantLight::new(desc, *angle_deg, &mut problems)?),
+            LightKind::Dome { texture } => Self::Dome(DomeLight::new(desc, texture.clone(), &mut problems)?),
+            LightKind::Rect { width, height } => Self::Rect(RectLight::new(desc, *width, *height, &mut problems)?),
+            LightKind::Sphere { radius, treat_as_point } => {
+                Self::Sphere(SphereLight::new(desc, *radius, *treat_as_point, &mut problems)?)
+            }
+        };
+        Ok((light, problems))
+    }
+    /// A direction from `p` to the light; `None` where none of its light arrives.
+    #[inline]
+    pub fn sample(&self, p: Point3, u: Vec2) -> Option<LightSample> {
+        match self {
+            Self::Distant(l) => l.sample(u),
+            Self::Dome(l) => l.sample(u),
+            Self::Rect(l) => l.sample(p, u),
+            Self::Sphere(l) => l.sample(p, u),
+        }
+    }
+    /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights.
+    #[inline]
+    pub fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
+        match self {
+            Self::Distant(l) => l.pdf_solid_angle(wi),
+            Self::Dome(l) => l.pdf_solid_angle(wi),
+            Self::Rect(l) => l.pdf_solid_angle(p, wi),
+            Self::Sphere(l) => l.pdf_solid_angle(p, wi),
+        }
+    }
+    /// The nearest hit with a light that has a place and a size.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<LightHit> {
+        match self {
+            Self::Distant(_) | Self::Dome(_) => None,
+            Self::Rect(l) => l.intersect(ray),
+            Self::Sphere(l) => l.intersect(ray),
+        }
+    }
+    /// Radiance that arrives along `wi`, unit, from a distant or dome light; `None` where it sends none that way.
+    #[inline]
+    pub fn radiance_from_infinity(&self, wi: Vector3) -> Option<Rgb> {
+        match self {
+            Self::Distant(l) => l.radiance(wi),
+            Self::Dome(l) => Some(l.radiance(wi)),
+            Self::Rect(_) | Self::Sphere(_) => None,
+        }
+    }
+    /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.
+    pub fn power_estimate(&self, scene_radius: f32) -> f32 {
+        let disk = PI * scene_radius * scene_radius;
+        match self {
+            Self::Distant(l) => l.irradiance().luminance() * disk,
+            Self::Dome(l) => l.mean_radiance().luminance() * 4.0 * PI * disk,
+            Self::Rect(l) => l.power().luminance(),
+            Self::Sphere(l) => l.power().luminance(),
+        }
+    }
+    /// The box around a light that has a place.
+    pub fn bounds(&self) -> Option<Bounds3> {
+        match self {
+            Self::Distant(_) | Self::Dome(_) => None,
+            Self::Rect(l) => Some(l.bounds()),
+            Self::Sphere(l) => Some(l.bounds()),
+        }
+    }
+    /// Whether it is infinitely far: met by rays that leave the scene.
+    #[inline]
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Distant(_) | Self::Dome(_))
+    }
+    /// Whether it has no size, so that no ray can find it by chance.
+    #[inline]
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Self::Distant(l) => l.is_delta(),
+            Self::Sphere(l) => l.is_delta(),
+            Self::Dome(_) | Self::Rect(_) => false,
+        }
+    }
+    /// Whether it emits nothing.
+    pub fn is_black(&self) -> bool {
+        self.emission().radiance.is_black()
+    }
+    /// Whether it casts shadows.
+    #[inline]
+    pub fn shadow_enable(&self) -> bool {
+        self.emission().shadow_enable
+    }
+    /// Whether the camera sees the light itself.
+    #[inline]
+    pub fn camera_visible(&self) -> bool {
+        self.emission().camera_visible
+    }
+    /// Multiplier of its effect on diffuse lobes.
+    #[inline]
+    pub fn diffuse(&self) -> f32 {
+        self.emission().diffuse
+    }
+    /// Multiplier of its effect on glossy and mirror lobes.
+    #[inline]
+    pub fn specular(&self) -> f32 {
+        self.emission().specular
+    }
+    #[inline]
+    fn emission(&self) -> &Emission {
+        match self {
+            Self::Distant(l) => &l.emission,
+            Self::Dome(l) => &l.emission,
+            Self::Rect(l) => &l.emission,
+            Self::Sphere(l) => &l.emission,
+        }
+    }
+}
