@@ -1,0 +1,117 @@
+//! `cargo xtask hydra`: builds the delegate and lays it out as OpenUSD looks for plugins.
+//!
+//! ```text
+//! target/hydra/plugin/usd/            PXR_PLUGINPATH_NAME
+//!     plugInfo.json                   "look into every */resources/"
+//!     hdUmber/hdUmber.so
+//!     hdUmber/resources/plugInfo.json
+//! ```
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::{Command, ExitCode, Stdio},
+};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::{
+    process,
+    usd::{self, UsdBuild},
+    workspace,
+};
+
+/// Runs the command.
+///
+/// # Errors
+/// The delegate does not compile, or the plugin folder cannot be written.
+pub fn run() -> Result<ExitCode> {
+    let Some(usd) = UsdBuild::find()? else {
+        eprintln!("{}", usd::MISSING);
+        return Ok(ExitCode::FAILURE);
+    };
+    println!("PXR_PLUGINPATH_NAME={}", build(&usd)?.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Builds the plugin against `usd`; gives the folder for `PXR_PLUGINPATH_NAME`.
+///
+/// # Errors
+/// As [`run`].
+pub fn build(usd: &UsdBuild) -> Result<PathBuf> {
+    let mut command = process::cargo();
+    command.args(["build", "--quiet", "--release", "--package", "umber-hydra"]);
+    command.arg("--message-format=json-render-diagnostics");
+    let output = link_against(&mut command, usd)?.stderr(Stdio::inherit()).output().context("cargo build")?;
+    ensure!(output.status.success(), "the delegate does not build against {}", usd.library_dir.display());
+    let library = built_library(&String::from_utf8_lossy(&output.stdout))?;
+    lay_out(&library)
+}
+
+/// Tells the build script of the delegate where OpenUSD is.
+///
+/// # Errors
+/// A path cannot be joined with others.
+pub fn link_against<'c>(command: &'c mut Command, usd: &UsdBuild) -> Result<&'c mut Command> {
+    let include = env::join_paths(&usd.include)?;
+    command.env("UMBER_USD_INCLUDE", include);
+    command.env("UMBER_USD_LIBRARY_DIR", &usd.library_dir);
+    Ok(command.env("UMBER_USD_LIBRARIES", usd.libraries.join(":")).current_dir(workspace::root()))
+}
+
+/// The shared library among what cargo says it built.
+fn built_library(messages: &str) -> Result<PathBuf> {
+    let messages = messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let artifact = messages
+        .filter(|message| message["reason"] == "compiler-artifact")
+        .filter(|message| message["target"]["kind"].as_array().is_some_and(|kinds| kinds.contains(&"cdylib".into())))
+        .last()
+        .context("the package umber-hydra builds no cdylib")?;
+    let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str);
+    let library = files.map(PathBuf::from).find(|file| file.extension() == Some(env::consts::DLL_EXTENSION.as_ref()));
+    library.context("cargo names no shared library")
+}
+
+/// Puts the library and its manifests in place. A host that has the old library loaded keeps it.
+fn lay_out(library: &Path) -> Result<PathBuf> {
+    let plugins = workspace::target().join("hydra/plugin/usd");
+    let resources = plugins.join("hdUmber/resources");
+    fs::create_dir_all(&resources).with_context(|| resources.display().to_string())?;
+    let name = format!("hdUmber.{}", env::consts::DLL_EXTENSION);
+    let template = workspace::root().join("plugInfo/plugInfo.json.in");
+    let manifest = fs::read_to_string(&template)
+        .with_context(|| template.display().to_string())?
+        .replace("@PLUG_INFO_LIBRARY_PATH@", &name)
+        .replace("@PLUG_INFO_RESOURCE_PATH@", "resources")
+        .replace("@PLUG_INFO_ROOT@", "..");
+    replace(&plugins.join("hdUmber").join(name), &fs::read(library).with_context(|| library.display().to_string())?)?;
+    replace(&resources.join("plugInfo.json"), manifest.as_bytes())?;
+    replace(&plugins.join("plugInfo.json"), b"{\n    \"Includes\": [ \"*/resources/\" ]\n}\n")?;
+    Ok(plugins)
+}
+
+/// Writes a file in one step, so that nobody reads half of it; leaves it where it is the same.
+fn replace(file: &Path, content: &[u8]) -> Result<()> {
+    if fs::read(file).is_ok_and(|old| old == content) {
+        return Ok(());
+    }
+    let draft = file.with_extension("new");
+    fs::write(&draft, content).with_context(|| draft.display().to_string())?;
+    fs::rename(&draft, file).with_context(|| file.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::built_library;
+
+    #[test]
+    fn shared_library_is_found_in_messages() {
+        let dll = format!("/t/libx.{}", std::env::consts::DLL_EXTENSION);
+        let message = format!(
+            r#"{{"reason":"compiler-artifact","target":{{"kind":["cdylib"]}},"filenames":["/t/x.rlib","{dll}"]}}"#
+        );
+        let messages = format!("{{\"reason\":\"build-script-executed\"}}\n{message}\nnot json\n");
+        assert_eq!(built_library(&messages).unwrap(), std::path::Path::new(&dll));
+        assert!(built_library("").is_err());
+    }
+}
