@@ -57,7 +57,7 @@ impl ShearedRay {
     /// tie is decided in double precision, where products of floats are exact.
     #[inline]
     pub fn intersect(&self, p0: Point3, p1: Point3, p2: Point3, t_min: f32, t_max: f32) -> Option<TriangleHit> {
-        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = [p0, p1, p2].map(|p| self.to_sheared(p));
+        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = [p0, p1, p2].map(|p| self.sheared(p));
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
@@ -77,7 +77,7 @@ impl ShearedRay {
 
     /// A point in the ray's space: the ray starts at zero and goes along z, which is `t`.
     #[inline]
-    fn to_sheared(&self, p: Point3) -> (f32, f32, f32) {
+    fn sheared(&self, p: Point3) -> (f32, f32, f32) {
         let q = p.0 - self.origin;
         let [kx, ky, kz] = self.axes;
         (q[kx] - self.shear.x * q[kz], q[ky] - self.shear.y * q[kz], self.shear.z * q[kz])

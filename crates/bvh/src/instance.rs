@@ -1,0 +1,241 @@
+//! Meshes and groups placed by transforms.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use umber_math::{Bounds3, Ray, Transform};
+
+use crate::{
+    mesh::MeshBvh,
+    path::{InstancePath, MAX_DEPTH},
+    ray::TraversalRay,
+    search::{Hit, Search},
+    simd::{self, SimdLevel},
+    wide::{MAX_PRIMITIVES, WideTree},
+};
+
+/// What an instance shows.
+#[derive(Clone)]
+pub enum Child {
+    /// A mesh.
+    Mesh {
+        /// Its triangles.
+        bvh: Arc<MeshBvh>,
+        /// The caller's number for it, returned in hits.
+        mesh: u32,
+    },
+    /// A group of instances.
+    Group(Arc<InstanceBvh>),
+}
+
+impl Child {
+    fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Mesh { bvh, .. } => bvh.bounds(),
+            Self::Group(group) => group.bounds(),
+        }
+    }
+    /// Levels of groups below.
+    fn depth(&self) -> usize {
+        match self {
+            Self::Mesh { .. } => 0,
+            Self::Group(group) => group.depth,
+        }
+    }
+}
+
+/// A child at a place.
+#[derive(Clone)]
+pub struct Instance {
+    /// What is shown.
+    pub child: Child,
+    /// Where: from the child's space to the group's.
+    pub parent_from_child: DAffine3,
+    /// The caller's own; found by [`InstanceBvh::instance_at`].
+    pub tag: u32,
+}
+
+/// An instance that rays can meet.
+pub(crate) struct Placed {
+    /// Its place in the list that the caller gave.
+    pub index: u32,
+    /// `None` where it is the identity.
+    pub child_from_parent: Option<DAffine3>,
+}
+
+/// A group of instances; the outermost one is the scene.
+pub struct InstanceBvh {
+    tree: WideTree,
+    instances: Vec<Instance>,
+    /// In the tree's order.
+    placed: Vec<Placed>,
+    skipped: Vec<u32>,
+    /// Levels of groups, with this one.
+    depth: usize,
+}
+
+impl InstanceBvh {
+    /// Builds the hierarchy.
+    ///
+    /// Instances with a singular or non-finite transform, or that would make more than
+    /// [`MAX_DEPTH`] levels, can't be hit and are told by [`InstanceBvh::skipped`].
+    pub fn build(instances: Vec<Instance>) -> Self {
+        let (mut boxes, mut placed, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
+        let mut depth = 1;
+        for (index, instance) in instances.iter().enumerate() {
+            let index = index as u32;
+            let fits = instance.child.depth() < MAX_DEPTH && placed.len() < MAX_PRIMITIVES;
+            match place(instance, index).filter(|_| fits) {
+                None => skipped.push(index),
+                Some((_, bounds)) if bounds.is_empty() => {}
+                Some((p, bounds)) => {
+                    depth = depth.max(instance.child.depth() + 1);
+                    placed.push(p);
+                    boxes.push(bounds);
+                }
+            }
+        }
+        let (tree, order) = WideTree::build(&boxes, 1);
+        let mut by_index: Vec<Option<Placed>> = placed.into_iter().map(Some).collect();
+        let placed = order.iter().filter_map(|&i| by_index[i as usize].take()).collect();
+        Self { tree, instances, placed, skipped, depth }
+    }
+
+    /// Indices of the instances that can't be hit: transform singular or not finite, or nested too deep.
+    pub fn skipped(&self) -> &[u32] {
+        &self.skipped
+    }
+
+    /// A box around all that can be hit, in this group's space.
+    pub fn bounds(&self) -> Bounds3 {
+        self.tree.bounds
+    }
+
+    /// Memory held, in bytes, without that of the children.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.tree.memory_bytes()
+            + self.instances.capacity() * size_of::<Instance>()
+            + self.placed.capacity() * size_of::<Placed>()
+            + self.skipped.capacity() * 4
+    }
+
+    /// Number of instances, with those that can't be hit.
+    pub fn instance_count(&self) -> usize {
+        self.instances.len()
+    }
+
+    /// The instances as they were given.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The closest hit with `t_min < t < t_max`. A negative `t_min` is taken as zero.
+    #[inline]
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, SimdLevel::best())
+    }
+
+    /// Whether anything is hit with `t_min < t < t_max`. A negative `t_min` is taken as zero.
+    #[inline]
+    pub fn any_hit(&self, ray: &Ray) -> bool {
+        self.any(ray, SimdLevel::best())
+    }
+
+    /// As [`InstanceBvh::closest_hit`], on a chosen vector unit (the best one where that is lacking).
+    #[inline]
+    pub fn closest_hit_on(&self, level: SimdLevel, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, level.or_best())
+    }
+
+    /// As [`InstanceBvh::any_hit`], on a chosen vector unit (the best one where that is lacking).
+    #[inline]
+    pub fn any_hit_on(&self, level: SimdLevel, ray: &Ray) -> bool {
+        self.any(ray, level.or_best())
+    }
+
+    #[inline]
+    fn closest(&self, ray: &Ray, level: SimdLevel) -> Option<Hit> {
+        let mut search = Search::new(ray.t_max);
+        simd::group_closest(level, self, &TraversalRay::new(ray)?, &mut search);
+        search.best
+    }
+
+    #[inline]
+    fn any(&self, ray: &Ray, level: SimdLevel) -> bool {
+        TraversalRay::new(ray).is_some_and(|r| simd::group_any(level, self, &r, ray.t_max.next_down()))
+    }
+
+    /// The instance at a level of a path that starts at this group; level 0 is the outermost.
+    /// `None` where the path does not go there.
+    pub fn instance_at(&self, path: &InstancePath, level: usize) -> Option<&Instance> {
+        let mut group = self;
+        for &index in path.as_slice().get(..level)? {
+            group = match &group.instances.get(index as usize)?.child {
+                Child::Group(inner) => inner,
+                Child::Mesh { .. } => return None,
+            };
+        }
+        group.instances.get(*path.as_slice().get(level)? as usize)
+    }
+
+    /// From the space of what the path ends at to this group's, which is render space for the
+    /// outermost; composed in double precision.
+    pub fn render_from_object(&self, path: &InstancePath) -> Transform {
+        Transform::from_affine(self.render_from_object_double(path)).unwrap_or_default()
+    }
+
+    /// As [`InstanceBvh::render_from_object`], before rounding.
+    pub fn render_from_object_double(&self, path: &InstancePath) -> DAffine3 {
+        let levels = 0..path.as_slice().len();
+        levels.filter_map(|l| self.instance_at(path, l)).fold(DAffine3::IDENTITY, |m, i| m * i.parent_from_child)
+    }
+
+    #[inline(always)]
+    pub(crate) fn tree(&self) -> &WideTree {
+        &self.tree
+    }
+
+    #[inline(always)]
+    pub(crate) fn placed(&self, slot: usize) -> &Placed {
+        &self.placed[slot]
+    }
+}
+
+/// An instance made ready, and its box. `None` where its transform can't be inverted.
+fn place(instance: &Instance, index: u32) -> Option<(Placed, Bounds3)> {
+    let m = instance.parent_from_child;
+    Transform::from_affine(m)?;
+    let child = instance.child.bounds();
+    if m == DAffine3::IDENTITY {
+        return Some((Placed { index, child_from_parent: None }, child));
+    }
+    let bounds = if child.is_empty() { child } else { placed_bounds(&m, child) };
+    let finite = bounds.is_empty() || bounds.min.is_finite() && bounds.max.is_finite();
+    finite.then_some((Placed { index, child_from_parent: Some(m.inverse()) }, bounds))
+}
+
+/// A box around the transformed box, with a margin for the rounding of the ray that is taken into
+/// the child's space: a few units in the last place of the coordinates met there.
+fn placed_bounds(m: &DAffine3, child: Bounds3) -> Bounds3 {
+    let corners = child.corners().map(|c| m.transform_point3(c.0.as_dvec3()));
+    let low = corners.iter().fold(DVec3::INFINITY, |a, c| a.min(*c));
+    let high = corners.iter().fold(DVec3::NEG_INFINITY, |a, c| a.max(*c));
+    let reach = child.min.abs().max(child.max.abs()).as_dvec3();
+    let linear = m.matrix3;
+    let spread = linear.x_axis.abs() * reach.x + linear.y_axis.abs() * reach.y + linear.z_axis.abs() * reach.z;
+    let margin = (spread + low.abs().max(high.abs())) * 8.0 * f64::from(f32::EPSILON);
+    let (low, high) = ((low - margin).as_vec3(), (high + margin).as_vec3());
+    Bounds3 { min: low.map_each(f32::next_down), max: high.map_each(f32::next_up) }
+}
+
+/// Applies a function to each component.
+trait MapEach {
+    fn map_each(self, f: impl Fn(f32) -> f32) -> Self;
+}
+
+impl MapEach for Vec3 {
+    fn map_each(self, f: impl Fn(f32) -> f32) -> Self {
+        Self::new(f(self.x), f(self.y), f(self.z))
+    }
+}

@@ -1,0 +1,54 @@
+//! A ray made ready for traversal.
+
+use glam::{DAffine3, Vec3};
+use umber_geometry::watertight::ShearedRay;
+use umber_math::{Point3, Ray, Vector3, float::gamma};
+
+/// Far ends of boxes are pushed out by this factor.
+///
+/// Ize 2013, "Robust BVH Ray Traversal", gives `1 + 2γ(3)` for the rounding of the box test alone.
+/// Twice that also covers the rounding of the shear in the triangle test, so that a box is entered
+/// whenever the triangle test would find a hit in it.
+pub(crate) const FAR_SLACK: f32 = 1.0 + 4.0 * gamma(3);
+
+/// What the box and triangle tests need, worked out once a ray and level.
+#[derive(Clone, Copy)]
+pub(crate) struct TraversalRay {
+    pub sheared: ShearedRay,
+    pub direction: Vec3,
+    /// One over the direction; infinite where that is zero.
+    pub inverse: Vec3,
+    /// Which plane of each axis the ray meets first: 0 the smaller, 1 the larger.
+    pub near: [usize; 3],
+    /// Hits at or before this do not count; never negative.
+    pub t_min: f32,
+}
+
+impl TraversalRay {
+    /// `None` where no hit is possible: origin or direction not finite, or the direction zero.
+    #[inline]
+    pub fn new(ray: &Ray) -> Option<Self> {
+        let sheared = ShearedRay::new(ray)?;
+        let direction = ray.direction.0;
+        let inverse = direction.recip();
+        let near = direction.to_array().map(|d| usize::from(d.is_sign_negative()));
+        let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
+        Some(Self { sheared, direction, inverse, near, t_min })
+    }
+
+    /// A component of the origin.
+    #[inline(always)]
+    pub fn origin(&self, axis: usize) -> f32 {
+        self.sheared.origin[axis]
+    }
+
+    /// The same ray in the space of a child; `t` keeps its meaning. In double precision, so that
+    /// children far from their parent's origin lose nothing.
+    #[inline]
+    pub fn transformed(&self, child_from_parent: &DAffine3) -> Option<Self> {
+        let origin = child_from_parent.transform_point3(self.sheared.origin.as_dvec3()).as_vec3();
+        let direction = child_from_parent.transform_vector3(self.direction.as_dvec3()).as_vec3();
+        let (origin, direction) = (Point3(origin), Vector3(direction));
+        Self::new(&Ray { origin, direction, t_min: self.t_min, t_max: f32::INFINITY })
+    }
+}

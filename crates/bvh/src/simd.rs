@@ -1,0 +1,195 @@
+//! Vector units: one kernel, compiled once for each.
+
+use std::sync::LazyLock;
+
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideNode};
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+mod walk;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+/// Which vector unit traversal uses. Hits are the same on all; this is for tests and measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SimdLevel {
+    /// What the compiler makes of plain loops, for any processor.
+    Portable,
+    /// AVX2 of x86-64.
+    Avx2,
+    /// AVX-512 (F, VL, DQ, BW) of x86-64, on eight lanes.
+    Avx512,
+}
+
+impl SimdLevel {
+    /// The levels that this processor has, the best last.
+    pub fn available() -> &'static [Self] {
+        static AVAILABLE: LazyLock<Vec<SimdLevel>> = LazyLock::new(SimdLevel::detect);
+        &AVAILABLE
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn detect() -> Vec<Self> {
+        vec![Self::Portable]
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn detect() -> Vec<Self> {
+        let mut levels = vec![Self::Portable];
+        let bits = is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("bmi2");
+        let counts = is_x86_feature_detected!("lzcnt") && is_x86_feature_detected!("popcnt");
+        if is_x86_feature_detected!("avx2") && bits && counts {
+            levels.push(Self::Avx2);
+            let f = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+            if f && is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512bw") {
+                levels.push(Self::Avx512);
+            }
+        }
+        levels
+    }
+
+    /// The best that this processor has.
+    #[inline]
+    pub fn best() -> Self {
+        static BEST: LazyLock<SimdLevel> =
+            LazyLock::new(|| SimdLevel::available().last().copied().unwrap_or(SimdLevel::Portable));
+        *BEST
+    }
+
+    /// This level if the processor has it, else the best that it has.
+    pub(crate) fn or_best(self) -> Self {
+        if Self::available().contains(&self) { self } else { Self::best() }
+    }
+}
+
+/// Eight floats.
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(32))]
+pub(crate) struct Lanes(pub [f32; 8]);
+
+/// What the triangle test writes: valid in the lanes that it reports as hits.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LaneHits {
+    pub t: Lanes,
+    pub barycentrics: [Lanes; 3],
+}
+
+/// Outcome of a triangle test, a bit a lane.
+#[derive(Clone, Copy)]
+pub(crate) struct LaneMasks {
+    /// Lanes with a hit.
+    pub hit: u32,
+    /// Lanes to be done over by the scalar test, in double precision.
+    pub again: u32,
+}
+
+/// The tests on a vector unit, and the traversals compiled for it.
+///
+/// All functions are unsafe: the processor must have the unit. Box and triangle tests do the same
+/// arithmetic on each.
+pub(crate) trait Isa {
+    /// Which children's boxes the ray meets before `limit`, a bit a child, and where it enters them.
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> u32;
+
+    /// Tests `count` triangles, from 1 to 8. `rows` are their nine coordinate rows, `count` apart.
+    ///
+    /// # Safety
+    /// The processor has the unit; `9 · count + 7` floats are readable at `rows`.
+    unsafe fn triangles(
+        rows: *const f32,
+        count: usize,
+        ray: &TraversalRay,
+        limit: f32,
+        out: &mut LaneHits,
+    ) -> LaneMasks;
+
+    /// Closest hit in a mesh that the caller numbered `id`.
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn mesh_closest(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search);
+
+    /// Whether anything of a mesh is hit up to and with `limit`.
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn mesh_any(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool;
+
+    /// Closest hit in a group.
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn group_closest(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search);
+
+    /// Whether anything of a group is hit up to and with `limit`.
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn group_any(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool;
+}
+
+/// The four traversals of an [`Isa`], compiled with its features.
+macro_rules! compile_traversals {
+    ($($feature:literal)?) => {
+        $(#[target_feature(enable = $feature)])?
+        unsafe fn mesh_closest(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
+            // SAFETY: the caller vouches for the unit.
+            unsafe { walk::mesh_closest::<Self>(mesh, id, ray, search) }
+        }
+        $(#[target_feature(enable = $feature)])?
+        unsafe fn mesh_any(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
+            // SAFETY: the caller vouches for the unit.
+            unsafe { walk::mesh_any::<Self>(mesh, ray, limit) }
+        }
+        $(#[target_feature(enable = $feature)])?
+        unsafe fn group_closest(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
+            // SAFETY: the caller vouches for the unit.
+            unsafe { walk::group_closest::<Self>(group, ray, search) }
+        }
+        $(#[target_feature(enable = $feature)])?
+        unsafe fn group_any(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
+            // SAFETY: the caller vouches for the unit.
+            unsafe { walk::group_any::<Self>(group, ray, limit) }
+        }
+    };
+}
+use compile_traversals;
+
+/// Closest hit in a group.
+#[inline]
+pub(crate) fn group_closest(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
+    // SAFETY: levels other than portable come from `available`, by `best` and `or_best`.
+    unsafe {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx2 => avx2::Avx2::group_closest(group, ray, search),
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx512 => avx512::Avx512::group_closest(group, ray, search),
+            _ => portable::Portable::group_closest(group, ray, search),
+        }
+    }
+}
+
+/// Whether anything of a group is hit up to and with `limit`.
+#[inline]
+pub(crate) fn group_any(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
+    // SAFETY: as above.
+    unsafe {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx2 => avx2::Avx2::group_any(group, ray, limit),
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx512 => avx512::Avx512::group_any(group, ray, limit),
+            _ => portable::Portable::group_any(group, ray, limit),
+        }
+    }
+}
+
+/// Traverses a tree on the portable unit, calling `visit` for each primitive whose box is met.
+pub(crate) use walk::walk_portable;

@@ -1,0 +1,119 @@
+//! What AVX2 and AVX-512 have in common: the arithmetic on eight lanes.
+//!
+//! Multiplication and addition are never fused, so that hits are those of the scalar test.
+
+use std::arch::x86_64::*;
+
+use super::{LaneHits, Lanes};
+use crate::{
+    ray::{FAR_SLACK, TraversalRay},
+    wide::WideNode,
+};
+
+/// Where the ray enters and leaves each child's box, cut to the ray's ends; entering is also written
+/// to `near`.
+///
+/// # Safety
+/// The processor has AVX.
+#[inline(always)]
+pub(super) unsafe fn slabs(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> (__m256, __m256) {
+    // SAFETY: the caller vouches for the unit; rows of planes are aligned to 32 bytes, near indices are 0 or 1.
+    unsafe {
+        let mut enter = _mm256_set1_ps(ray.t_min);
+        let mut leave = _mm256_set1_ps(limit);
+        for axis in 0..3 {
+            let planes = node.planes.as_ptr().add(2 * axis);
+            let (o, inverse) = (_mm256_set1_ps(ray.origin(axis)), _mm256_set1_ps(ray.inverse[axis]));
+            let low = _mm256_load_ps(planes.add(ray.near[axis]).cast());
+            let high = _mm256_load_ps(planes.add(1 - ray.near[axis]).cast());
+            // Of a NaN and a number, these give the number: the second operand.
+            enter = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(low, o), inverse), enter);
+            leave = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(high, o), inverse), leave);
+        }
+        _mm256_store_ps(near.0.as_mut_ptr(), enter);
+        (enter, _mm256_mul_ps(leave, _mm256_set1_ps(FAR_SLACK)))
+    }
+}
+
+/// Eight triangles in the ray's space: the edge functions, and the depths of the vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Edges {
+    pub u: __m256,
+    pub v: __m256,
+    pub w: __m256,
+    depths: [__m256; 3],
+}
+
+/// # Safety
+/// The processor has AVX; `9 · count + 7` floats are readable at `rows`.
+#[inline(always)]
+pub(super) unsafe fn edges(rows: *const f32, count: usize, ray: &TraversalRay) -> Edges {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (ax, ay, az) = vertex(rows, count, ray);
+        let (bx, by, bz) = vertex(rows.add(3 * count), count, ray);
+        let (cx, cy, cz) = vertex(rows.add(6 * count), count, ray);
+        let (u, v, w) = (edge(cx, by, cy, bx), edge(ax, cy, ay, cx), edge(bx, ay, by, ax));
+        Edges { u, v, w, depths: [az, bz, cz] }
+    }
+}
+
+/// One vertex of eight triangles, sheared; its depth is not yet scaled.
+///
+/// # Safety
+/// The processor has AVX; `3 · count + 7` floats are readable at `rows`.
+#[inline(always)]
+unsafe fn vertex(rows: *const f32, count: usize, ray: &TraversalRay) -> (__m256, __m256, __m256) {
+    // SAFETY: the caller's promise; axes are below three.
+    unsafe {
+        let ([kx, ky, kz], s) = (ray.sheared.axes, ray.sheared.shear);
+        let z = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kz * count)), _mm256_set1_ps(ray.origin(kz)));
+        let x = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kx * count)), _mm256_set1_ps(ray.origin(kx)));
+        let y = _mm256_sub_ps(_mm256_loadu_ps(rows.add(ky * count)), _mm256_set1_ps(ray.origin(ky)));
+        let x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(s.x), z));
+        let y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(s.y), z));
+        (x, y, z)
+    }
+}
+
+/// # Safety
+/// The processor has AVX.
+#[inline(always)]
+unsafe fn edge(px: __m256, qy: __m256, py: __m256, qx: __m256) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_sub_ps(_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx)) }
+}
+
+/// The determinant.
+///
+/// # Safety
+/// The processor has AVX.
+#[inline(always)]
+pub(super) unsafe fn determinant(e: &Edges) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_add_ps(_mm256_add_ps(e.u, e.v), e.w) }
+}
+
+/// Writes barycentrics and parameter of each lane; gives the parameter.
+///
+/// # Safety
+/// The processor has AVX.
+#[inline(always)]
+pub(super) unsafe fn resolve(e: &Edges, det: __m256, ray: &TraversalRay, out: &mut LaneHits) -> __m256 {
+    // SAFETY: the caller's promise; lanes are aligned to 32 bytes.
+    unsafe {
+        let inverse = _mm256_div_ps(_mm256_set1_ps(1.0), det);
+        let scale = _mm256_set1_ps(ray.sheared.shear.z);
+        let (b0, b1, b2) = (_mm256_mul_ps(e.u, inverse), _mm256_mul_ps(e.v, inverse), _mm256_mul_ps(e.w, inverse));
+        let [az, bz, cz] = e.depths;
+        let t = _mm256_add_ps(
+            _mm256_add_ps(_mm256_mul_ps(b0, _mm256_mul_ps(scale, az)), _mm256_mul_ps(b1, _mm256_mul_ps(scale, bz))),
+            _mm256_mul_ps(b2, _mm256_mul_ps(scale, cz)),
+        );
+        _mm256_store_ps(out.t.0.as_mut_ptr(), t);
+        _mm256_store_ps(out.barycentrics[0].0.as_mut_ptr(), b0);
+        _mm256_store_ps(out.barycentrics[1].0.as_mut_ptr(), b1);
+        _mm256_store_ps(out.barycentrics[2].0.as_mut_ptr(), b2);
+        t
+    }
+}
