@@ -104,6 +104,13 @@ pub(crate) struct Tile {
     centers: Vec<Vec<[u32; 3]>>,
 }
 
+impl Tile {
+    /// Whether what is seen through pixel middles is known.
+    pub fn has_centers(&self) -> bool {
+        !self.centers.is_empty()
+    }
+}
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileRect {

@@ -3,11 +3,19 @@
 //! [`Session`] is the façade: both front ends use it and nothing else.
 
 mod aov;
+mod camera;
+mod compile;
 mod film;
 mod format;
+mod integrator;
+mod light_set;
+mod material;
+mod mesh;
 mod message;
+mod scene;
 mod session;
 mod stats;
+mod surface;
 
 pub use aov::{Accumulation, Aov, AovRow, TABLE as AOVS};
 pub use film::{Film, FilmDesc};
@@ -15,5 +23,3 @@ pub use format::BufferFormat;
 pub use message::{Message, Severity};
 pub use session::Session;
 pub use stats::Stats;
-pub use umber_scene as scene;
-pub use umber_settings as settings;

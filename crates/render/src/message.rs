@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Severity {
     /// The frame renders, without the thing named.
     Warning,
@@ -12,7 +12,7 @@ pub enum Severity {
 }
 
 /// A warning or an error, naming the prim it is about.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Message {
     /// How bad it is.
     pub severity: Severity,

@@ -1,10 +1,195 @@
-//! The render thread.
+//! The render thread: compiles what is dirty, then adds samples pass by pass.
 
-use super::control::Shared;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use umber_scene::SceneStore;
+use umber_settings::Settings;
+
+use super::control::{Job, Shared};
+use crate::compile::{Compiler, NoScene};
+use crate::film::{Film, FilmDesc};
+use crate::integrator::render_tile;
+use crate::scene::RenderScene;
+use crate::{Message, Stats};
+
+/// Samples a pixel that one pass of a final frame adds.
+const FINAL_PASS: u32 = 16;
 
 /// Takes up jobs until the session ends.
 pub(super) fn run(shared: &Shared) {
+    let mut worker = Worker::default();
     while let Some(job) = shared.next_job() {
-        shared.end_job(job.epoch, true);
+        // a panic is a bug of ours: the host is told, keeps running, and does not wait for a picture
+        let finished = catch_unwind(AssertUnwindSafe(|| worker.work(shared, &job))).unwrap_or_else(|panic| {
+            worker = Worker::default();
+            shared.say(Message::error(None, format!("rendering ended by an internal error: {}", text_of(&*panic))));
+            true
+        });
+        shared.end_job(job.epoch, finished);
+    }
+}
+
+fn text_of(panic: &(dyn std::any::Any + Send)) -> &str {
+    let as_str = panic.downcast_ref::<&str>().copied();
+    as_str.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("unknown")
+}
+
+/// What stays from job to job.
+#[derive(Default)]
+struct Worker {
+    compiler: Compiler,
+    /// Threads as the settings ask for them, and the pool that has them.
+    pool: Option<(u32, Arc<ThreadPool>)>,
+    picture: Option<Picture>,
+}
+
+/// A picture under way.
+struct Picture {
+    epoch: u64,
+    scene: RenderScene,
+    film: Arc<Film>,
+    order: Vec<usize>,
+    seconds: f64,
+    rays: AtomicU64,
+    samples: AtomicU64,
+}
+
+impl Worker {
+    /// True where the picture is finished, false where the job was cancelled.
+    fn work(&mut self, shared: &Shared, job: &Job) -> bool {
+        let Some(desc) = &job.desc else { return true };
+        if self.picture.as_ref().is_none_or(|picture| picture.epoch != job.epoch) {
+            match self.begin(shared, desc, job.epoch) {
+                Ok(picture) => self.picture = Some(picture),
+                Err(NoScene::Cancelled) => return false,
+                Err(NoScene::Unrenderable(message)) => {
+                    self.picture = None;
+                    shared.show(Arc::new(Film::new(desc.clone())));
+                    shared.say(message);
+                    return true;
+                }
+            }
+        }
+        match (&mut self.picture, &self.pool) {
+            (Some(picture), Some((_, pool))) => picture.render(shared, pool),
+            _ => true,
+        }
+    }
+
+    /// Compiles the scene and shows an empty film.
+    fn begin(&mut self, shared: &Shared, desc: &FilmDesc, epoch: u64) -> Result<Picture, NoScene> {
+        // the old picture goes first: its film and scene need not stand beside the new ones
+        self.picture = None;
+        let started = Instant::now();
+        let mut store = shared.store();
+        let store: &mut SceneStore = &mut store;
+        let pool = self.pool(store.settings())?;
+        let compiler = &mut self.compiler;
+        let compile = || compiler.compile(store, desc, shared.cancelled(), &mut |message| shared.say(message));
+        let scene = pool.install(compile)?;
+        let film = Arc::new(Film::new(desc.clone()));
+        let order = film.tile_order();
+        shared.show(Arc::clone(&film));
+        self.describe(shared, &scene, &film, started.elapsed().as_secs_f64());
+        Ok(Picture { epoch, scene, film, order, seconds: 0.0, rays: AtomicU64::new(0), samples: AtomicU64::new(0) })
+    }
+
+    /// The threads that the settings ask for.
+    fn pool(&mut self, settings: &Settings) -> Result<Arc<ThreadPool>, NoScene> {
+        if let Some((threads, pool)) = &self.pool
+            && *threads == settings.threads
+        {
+            return Ok(Arc::clone(pool));
+        }
+        let builder = ThreadPoolBuilder::new().num_threads(settings.threads as usize);
+        let pool = builder.thread_name(|i| format!("umber-{i}")).build().map_err(|error| {
+            NoScene::Unrenderable(Message::error(None, format!("no render threads could be started: {error}")))
+        })?;
+        Ok(Arc::clone(&self.pool.insert((settings.threads, Arc::new(pool))).1))
+    }
+
+    fn describe(&self, shared: &Shared, scene: &RenderScene, film: &Film, compile_seconds: f64) {
+        let built = self.compiler.built();
+        let shapes = || scene.meshes.iter().map(|mesh| &mesh.shape);
+        let stats = Stats {
+            target_samples_per_pixel: scene.settings.converged_samples_per_pixel,
+            compile_seconds,
+            threads: self.pool.as_ref().map_or(0, |(_, pool)| pool.current_num_threads() as u32),
+            meshes: scene.meshes.len() as u64,
+            triangles: shapes().map(|shape| shape.mesh.len() as u64).sum(),
+            instances: scene.instance_count,
+            lights: scene.lights.lights().len() as u64,
+            materials: scene.materials.len() as u64,
+            geometry_bytes: (shapes().map(|shape| shape.memory_bytes()).sum::<usize>() + scene.top.memory_bytes())
+                as u64,
+            film_bytes: film.memory_bytes() as u64,
+            built_meshes: built.meshes,
+            built_top_level: built.top_level,
+            ..Stats::default()
+        };
+        shared.update_stats(|s| *s = stats);
+    }
+}
+
+impl Picture {
+    /// Adds passes until the picture is finished (true) or the job is cancelled (false).
+    fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
+        let Settings { converged_samples_per_pixel: target, converged_variance, enable_interactive, .. } =
+            self.scene.settings;
+        let mut done = self.film.min_samples();
+        while done < target && self.film.tile_count() > 0 {
+            let step = if enable_interactive { (done / 2).clamp(1, FINAL_PASS) } else { FINAL_PASS };
+            let next = (done + step).min(target);
+            if !self.pass(shared, pool, next) {
+                return false;
+            }
+            done = next;
+            if converged_variance >= 0.0
+                && done >= FINAL_PASS
+                && self.film.mean_relative_variance() <= f64::from(converged_variance)
+            {
+                break;
+            }
+        }
+        shared.update_stats(|s| s.percent_done = 100.0);
+        true
+    }
+
+    /// Brings every pixel to `next` samples. False where cancelled.
+    fn pass(&mut self, shared: &Shared, pool: &ThreadPool, next: u32) -> bool {
+        let started = Instant::now();
+        let cancel = shared.cancelled();
+        let pixels = (self.film.desc().width * self.film.desc().height) as f64;
+        let whole = pixels * f64::from(self.scene.settings.converged_samples_per_pixel);
+        let before = self.seconds;
+        pool.install(|| {
+            self.order.par_iter().with_max_len(1).for_each(|tile| {
+                if cancel.load(Ordering::Relaxed) {
+                    return;
+                }
+                let work = render_tile(&self.scene, &self.film, *tile, next, cancel);
+                let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
+                let samples = self.samples.fetch_add(work.samples, Ordering::Relaxed) + work.samples;
+                shared.update_stats(|s| {
+                    s.rays = s.rays.max(rays);
+                    s.percent_done = s.percent_done.max(100.0 * samples as f64 / whole);
+                    s.render_seconds = before + started.elapsed().as_secs_f64();
+                });
+            });
+        });
+        self.seconds = before + started.elapsed().as_secs_f64();
+        if cancel.load(Ordering::Relaxed) {
+            return false;
+        }
+        shared.update_stats(|s| {
+            s.samples_per_pixel = next;
+            s.render_seconds = self.seconds;
+        });
+        true
     }
 }

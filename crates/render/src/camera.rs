@@ -1,0 +1,149 @@
+//! The camera as rays need it: from film positions to render space.
+
+use umber_math::{DAffine3, DVec2, DVec3, Normal3, Point3, Ray, Transform, Vec2, Vector3};
+use umber_scene::{Camera, Projection};
+
+use crate::FilmDesc;
+
+/// A camera bound to a film.
+#[derive(Clone, Debug)]
+pub struct RenderCamera {
+    render_from_camera: Transform,
+    projection: Projection,
+    /// Screen position of the film's corner (0, 0) and of one pixel's step, on the plane one unit
+    /// before a perspective camera, or in camera space.
+    screen_min: DVec2,
+    screen_step: DVec2,
+    near: f32,
+    far: f32,
+}
+
+/// A hit's depths.
+#[derive(Clone, Copy, Debug)]
+pub struct Depths {
+    /// Distance along the view axis.
+    pub camera: f32,
+    /// As the projection maps it: 0 at the near plane, 1 at the far plane.
+    pub projected: f32,
+}
+
+impl RenderCamera {
+    /// Binds a camera to a film. `None` where its transform is singular or its window is empty or
+    /// not finite.
+    pub fn new(camera: &Camera, film: &FilmDesc, render_from_world: DAffine3) -> Option<Self> {
+        let [x0, y0, x1, y1] = film.view();
+        let pixels = DVec2::new(x1 - x0, y1 - y0);
+        let window = camera.screen_window(pixels.x * film.pixel_aspect / pixels.y);
+        let screen_step = (window.max - window.min) / pixels;
+        let data_min = DVec2::new(film.data_window_min[0].into(), film.data_window_min[1].into());
+        let screen_min = window.min + (data_min - DVec2::new(x0, y0)) * screen_step;
+        let render_from_camera = Transform::from_affine(render_from_world * camera.world_from_camera)?;
+        let [near, far] = camera.clipping_range;
+        let usable = screen_min.is_finite() && screen_step.is_finite() && screen_step.min_element() > 0.0;
+        usable.then_some(Self {
+            render_from_camera,
+            projection: camera.projection,
+            screen_min,
+            screen_step,
+            near: if near.is_finite() { near } else { 0.0 },
+            far: if far.is_nan() { f32::INFINITY } else { far },
+        })
+    }
+
+    /// The ray through a film position in pixels, y up; its direction is of unit length and it is
+    /// bounded by the clipping range.
+    pub fn ray(&self, film: Vec2) -> Ray {
+        let screen = self.screen_min + film.as_dvec2() * self.screen_step;
+        let (origin, direction) = match self.projection {
+            Projection::Perspective => (DVec3::ZERO, DVec3::new(screen.x, screen.y, -1.0)),
+            Projection::Orthographic => (DVec3::new(screen.x, screen.y, 0.0), DVec3::NEG_Z),
+        };
+        // stretches distances along the view axis to distances along the ray
+        let stretch = direction.length() as f32;
+        let direction = self.render_from_camera.vector(Vector3(direction.as_vec3())).normalized();
+        Ray {
+            origin: self.render_from_camera.point(Point3(origin.as_vec3())),
+            direction,
+            t_min: self.near * stretch,
+            t_max: self.far * stretch,
+        }
+    }
+
+    /// Depths of a point in render space.
+    pub fn depths(&self, p: Point3) -> Depths {
+        let distance = -self.render_from_camera.inverse_point(p).z();
+        let (n, f) = (self.near, self.far);
+        let projected = match self.projection {
+            Projection::Perspective if f.is_infinite() => 1.0 - n / distance,
+            Projection::Perspective => f / (f - n) * (1.0 - n / distance),
+            Projection::Orthographic => (distance - n) / (f - n),
+        };
+        Depths { camera: distance, projected: projected.clamp(0.0, 1.0) }
+    }
+
+    /// A unit normal in render space, in camera space.
+    pub fn eye_normal(&self, n: Normal3) -> Normal3 {
+        Normal3(self.render_from_camera.inverse_vector(n.as_vector()).normalized().0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umber_math::Vec3;
+
+    fn camera() -> Camera {
+        Camera {
+            aperture: DVec2::new(2.0, 1.0),
+            focal_length: 1.0,
+            clipping_range: [1.0, 101.0],
+            world_from_camera: DAffine3::from_translation(DVec3::new(0.0, 0.0, 5.0)),
+            ..Camera::default()
+        }
+    }
+
+    #[test]
+    fn perspective_rays_and_depths() {
+        let film = FilmDesc::new(200, 100, &[]);
+        let c = RenderCamera::new(&camera(), &film, DAffine3::IDENTITY).unwrap();
+        let middle = c.ray(Vec2::new(100.0, 50.0));
+        assert_eq!(middle.direction.0, Vec3::NEG_Z);
+        assert_eq!((middle.t_min, middle.t_max), (1.0, 101.0));
+        let corner = c.ray(Vec2::new(200.0, 100.0));
+        let at_one = corner.at(corner.t_min).0;
+        assert!((at_one - Vec3::new(1.0, 0.5, 4.0)).length() < 1e-6, "{at_one}");
+        let near = c.depths(Point3::new(0.3, 0.0, 4.0));
+        assert_eq!((near.camera, near.projected), (1.0, 0.0));
+        assert!((c.depths(Point3::new(0.0, 0.0, -96.0)).projected - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_data_window_shows_its_part_of_the_view() {
+        let whole = RenderCamera::new(&camera(), &FilmDesc::new(200, 100, &[]), DAffine3::IDENTITY).unwrap();
+        let film = FilmDesc {
+            display_window: Some([0.0, 0.0, 200.0, 100.0]),
+            data_window_min: [150, 20],
+            ..FilmDesc::new(50, 30, &[])
+        };
+        let part = RenderCamera::new(&camera(), &film, DAffine3::IDENTITY).unwrap();
+        let (a, b) = (part.ray(Vec2::new(3.5, 4.5)), whole.ray(Vec2::new(153.5, 24.5)));
+        assert!((a.direction - b.direction).length() < 1e-6);
+    }
+
+    #[test]
+    fn orthographic_rays_are_parallel() {
+        let camera = Camera { projection: Projection::Orthographic, ..camera() };
+        let c = RenderCamera::new(&camera, &FilmDesc::new(200, 100, &[]), DAffine3::IDENTITY).unwrap();
+        let r = c.ray(Vec2::new(0.0, 0.0));
+        assert_eq!((r.origin.0, r.direction.0), (Vec3::new(-1.0, -0.5, 5.0), Vec3::NEG_Z));
+        assert!((c.depths(r.at(51.0)).projected - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn unusable_cameras_are_refused() {
+        let flat = Camera { world_from_camera: DAffine3::ZERO, ..camera() };
+        assert!(RenderCamera::new(&flat, &FilmDesc::new(2, 2, &[]), DAffine3::IDENTITY).is_none());
+        let empty = Camera { aperture: DVec2::ZERO, ..camera() };
+        assert!(RenderCamera::new(&empty, &FilmDesc::new(2, 2, &[]), DAffine3::IDENTITY).is_none());
+    }
+}

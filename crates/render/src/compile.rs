@@ -1,0 +1,271 @@
+//! From the editable store to a frozen [`RenderScene`], reusing what did not change.
+
+mod instances;
+mod lights;
+mod materials;
+mod mesh;
+
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use umber_bvh::InstanceBvh;
+use umber_math::{DAffine3, DVec3};
+use umber_scene::{Dirty, MaterialId, Mesh, MeshDirty, MeshId, SceneStore};
+
+pub use instances::InstanceNumber;
+
+use crate::camera::RenderCamera;
+use crate::light_set::LightSet;
+use crate::material::RenderMaterial;
+use crate::mesh::{MeshAttributes, MeshShape, RenderMesh};
+use crate::scene::RenderScene;
+use crate::{FilmDesc, Message};
+use lights::LightCompiler;
+
+/// The camera stands at most this far from render space's origin in each axis, scene units: render
+/// space only moves when the camera has gone farther, so that nearly all camera moves rebuild nothing.
+const ORIGIN_REACH: f64 = 4096.0;
+
+/// What the last compile built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Built {
+    /// Meshes whose hierarchy was built.
+    pub meshes: u64,
+    /// Whether the top level was.
+    pub top_level: bool,
+}
+
+struct CompiledMesh {
+    shape: Arc<MeshShape>,
+    attributes: Arc<MeshAttributes>,
+    warnings: Vec<String>,
+}
+
+struct TopLevel {
+    bvh: Arc<InstanceBvh>,
+    numbers: Arc<[InstanceNumber]>,
+    instance_count: u64,
+    /// Meshes by their index in the hierarchy.
+    shown: Vec<MeshId>,
+}
+
+/// Keeps what earlier compiles made, by path.
+#[derive(Default)]
+pub struct Compiler {
+    pending: Dirty,
+    meshes: BTreeMap<MeshId, CompiledMesh>,
+    top: Option<TopLevel>,
+    origin: DVec3,
+    materials: BTreeMap<MaterialId, u32>,
+    render_meshes: Arc<[RenderMesh]>,
+    render_materials: Arc<[RenderMaterial]>,
+    lights: LightCompiler,
+    light_set: Arc<LightSet>,
+    said: HashSet<Message>,
+    built: Built,
+}
+
+/// Why there is no render scene.
+#[derive(Debug)]
+pub enum NoScene {
+    /// Something newer is to be rendered.
+    Cancelled,
+    /// It cannot be rendered: there is nothing to look through, say.
+    Unrenderable(Message),
+}
+
+impl Compiler {
+    /// What the last compile built.
+    pub fn built(&self) -> Built {
+        self.built
+    }
+
+    /// Compiles what is dirty. New warnings go to `say`, each once.
+    ///
+    /// # Errors
+    /// Cancelled (then the next call goes on), or without a usable camera.
+    pub fn compile(
+        &mut self,
+        store: &mut SceneStore,
+        film: &FilmDesc,
+        cancel: &AtomicBool,
+        say: &mut dyn FnMut(Message),
+    ) -> Result<RenderScene, NoScene> {
+        merge(&mut self.pending, store.take_dirty());
+        let mut warnings = Vec::new();
+        let mut warn = |prim: &str, text: String| warnings.push(Message::warning(Some(prim), text));
+        let result = self.update(store, film, cancel, &mut warn);
+        for warning in warnings {
+            if self.said.insert(warning.clone()) {
+                say(warning);
+            }
+        }
+        result
+    }
+
+    fn update(
+        &mut self,
+        store: &SceneStore,
+        film: &FilmDesc,
+        cancel: &AtomicBool,
+        warn: &mut dyn FnMut(&str, String),
+    ) -> Result<RenderScene, NoScene> {
+        self.built = Built::default();
+        let no_camera = |text: &str| NoScene::Unrenderable(Message::error(None, text));
+        let camera = store.camera().ok_or_else(|| no_camera("no camera to look through"))?;
+        let origin = render_origin(camera.world_from_camera.translation);
+        let moved = origin != self.origin;
+        self.origin = origin;
+        let render_from_world = DAffine3::from_translation(-origin);
+        let render_camera = RenderCamera::new(camera, film, render_from_world).ok_or_else(|| {
+            no_camera("the camera cannot be looked through: its transform is singular, or its aperture is empty")
+        })?;
+
+        self.compile_meshes(store, cancel, warn)?;
+        let dirty = std::mem::take(&mut self.pending);
+        let meshes_dirty = |what: fn(&MeshDirty) -> bool| dirty.meshes.values().any(what);
+        let placed_anew = meshes_dirty(|d| d.topology || d.points || d.placement);
+        let top_stale = self.top.is_none() || moved || dirty.instancers || dirty.purposes || placed_anew;
+        if top_stale {
+            self.place(store, render_from_world, warn);
+        }
+        if !dirty.materials.is_empty() || self.render_materials.is_empty() {
+            (self.materials, self.render_materials) = materials::compile(store.materials());
+        }
+        if top_stale || !dirty.meshes.is_empty() || !dirty.materials.is_empty() {
+            self.bind(store, warn);
+        }
+        if !dirty.lights.is_empty() || moved || top_stale {
+            let bounds = self.top.as_ref().map(|t| t.bvh.bounds()).unwrap_or_default();
+            self.light_set = Arc::new(self.lights.compile(store.lights(), render_from_world, bounds, warn));
+        }
+        Ok(self.scene(render_camera, store))
+    }
+
+    fn scene(&self, camera: RenderCamera, store: &SceneStore) -> RenderScene {
+        let (top, numbers, instance_count) = match &self.top {
+            Some(top) => (Arc::clone(&top.bvh), Arc::clone(&top.numbers), top.instance_count),
+            None => (Arc::new(InstanceBvh::build(Vec::new())), Arc::default(), 0),
+        };
+        let partly_present =
+            self.render_meshes.iter().any(|mesh| mesh.may_be_absent(&self.render_materials)) && instance_count > 0;
+        RenderScene {
+            camera,
+            settings: store.settings().clone(),
+            top,
+            numbers,
+            instance_count,
+            meshes: Arc::clone(&self.render_meshes),
+            materials: Arc::clone(&self.render_materials),
+            lights: Arc::clone(&self.light_set),
+            partly_present,
+        }
+    }
+
+    /// Compiles shapes and attributes of dirty meshes, side by side.
+    fn compile_meshes(
+        &mut self,
+        store: &SceneStore,
+        cancel: &AtomicBool,
+        warn: &mut dyn FnMut(&str, String),
+    ) -> Result<(), NoScene> {
+        self.meshes.retain(|id, _| store.meshes().contains_key(id));
+        let stale: Vec<(&MeshId, &Mesh, Option<&CompiledMesh>, MeshDirty)> = store
+            .meshes()
+            .iter()
+            .filter_map(|(id, mesh)| {
+                let old = self.meshes.get(id);
+                let dirty = if old.is_none() { MeshDirty::ALL } else { *self.pending.meshes.get(id)? };
+                (dirty.topology || dirty.points || dirty.attributes).then_some((id, mesh, old, dirty))
+            })
+            .collect();
+        let compiled: Vec<Option<(MeshId, CompiledMesh, bool)>> = stale
+            .par_iter()
+            .map(|(id, mesh, old, dirty)| {
+                if cancel.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let mut warnings = Vec::new();
+                let mut say = |text| warnings.push(text);
+                let built = dirty.topology || dirty.points;
+                let shape = match old {
+                    Some(old) if !built => Arc::clone(&old.shape),
+                    _ => Arc::new(mesh::compile_shape(mesh, &mut say)),
+                };
+                let attributes = Arc::new(mesh::compile_attributes(mesh, &shape, &mut say));
+                Some(((*id).clone(), CompiledMesh { shape, attributes, warnings }, built))
+            })
+            .collect();
+        let mut cancelled = false;
+        for entry in compiled {
+            let Some((id, mut mesh, built)) = entry else {
+                cancelled = true;
+                continue;
+            };
+            mesh.warnings.drain(..).for_each(|text| warn(id.path(), text));
+            self.built.meshes += u64::from(built);
+            self.meshes.insert(id, mesh);
+        }
+        if cancelled { Err(NoScene::Cancelled) } else { Ok(()) }
+    }
+
+    fn place(&mut self, store: &SceneStore, render_from_world: DAffine3, warn: &mut dyn FnMut(&str, String)) {
+        let shown: Vec<instances::ShownMesh> = store
+            .meshes()
+            .iter()
+            .filter(|(_, mesh)| mesh.visible && store.shows(mesh.purpose))
+            .filter_map(|(id, mesh)| Some((id, mesh, &self.meshes.get(id)?.shape)))
+            .filter(|(_, _, shape)| !shape.mesh.is_empty())
+            .enumerate()
+            .map(|(index, (id, mesh, shape))| instances::ShownMesh { id, mesh, shape, index: index as u32 })
+            .collect();
+        let placed = instances::place(&shown, store.instancers(), render_from_world, warn);
+        self.built.top_level = true;
+        self.top = Some(TopLevel {
+            bvh: Arc::new(placed.top),
+            numbers: placed.numbers.into(),
+            instance_count: placed.instance_count,
+            shown: shown.iter().map(|m| m.id.clone()).collect(),
+        });
+    }
+
+    /// Meshes in the order of the hierarchy, with their materials.
+    fn bind(&mut self, store: &SceneStore, warn: &mut dyn FnMut(&str, String)) {
+        let shown = self.top.iter().flat_map(|top| &top.shown);
+        let described = shown.filter_map(|id| Some((id, store.meshes().get(id)?, self.meshes.get(id)?)));
+        self.render_meshes = described
+            .map(|(id, mesh, compiled)| {
+                let materials = materials::of_mesh(mesh, &self.materials, &mut |text| warn(id.path(), text));
+                RenderMesh {
+                    shape: Arc::clone(&compiled.shape),
+                    attributes: Arc::clone(&compiled.attributes),
+                    material: materials.whole,
+                    face_materials: materials.faces,
+                    culled_faces: mesh.culled_faces,
+                    prim_id: mesh.prim_id,
+                }
+            })
+            .collect();
+    }
+}
+
+fn merge(pending: &mut Dirty, new: Dirty) {
+    for (id, what) in new.meshes {
+        pending.meshes.entry(id).or_default().merge(what);
+    }
+    pending.instancers |= new.instancers;
+    pending.camera |= new.camera;
+    pending.lights.extend(new.lights);
+    pending.materials.extend(new.materials);
+    pending.purposes |= new.purposes;
+    pending.settings |= new.settings;
+}
+
+/// Render space's origin in world space for a camera at `camera`.
+fn render_origin(camera: DVec3) -> DVec3 {
+    let cell = 2.0 * ORIGIN_REACH;
+    let origin = (camera / cell).round() * cell;
+    if origin.is_finite() { origin } else { DVec3::ZERO }
+}

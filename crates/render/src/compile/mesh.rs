@@ -1,0 +1,98 @@
+//! From a described mesh to its shape and attributes.
+
+use std::sync::Arc;
+
+use umber_bvh::MeshBvh;
+use umber_geometry::{
+    Attribute, AttributeValue, MeshProblem, Primvar, PrimvarValues, SubdivisionScheme, smooth_normals, triangulate,
+};
+use umber_math::{Point3, Vec2, Vec3};
+use umber_scene::Mesh;
+
+use crate::mesh::{MeshAttributes, MeshShape};
+
+/// Triangulates a mesh and builds its hierarchy. Says what had to be left out.
+pub fn compile_shape(mesh: &Mesh, say: &mut dyn FnMut(String)) -> MeshShape {
+    let points: &[Point3] = bytemuck::cast_slice(&mesh.points);
+    let (triangles, problems) = triangulate(&mesh.topology, points);
+    for problem in problems {
+        say(problem.to_string());
+    }
+    let bvh = MeshBvh::build(points, &triangles.triangles);
+    MeshShape { points: Arc::clone(&mesh.points), mesh: triangles, bvh: Arc::new(bvh) }
+}
+
+/// Collects normals and primvars. Says which could not be used.
+pub fn compile_attributes(mesh: &Mesh, shape: &MeshShape, say: &mut dyn FnMut(String)) -> MeshAttributes {
+    let get = |name: &str| mesh.primvars.get(name).map(|primvar| (primvar, name.to_owned()));
+    let (color, opacity, st) = (get("displayColor"), get("displayOpacity"), get("st"));
+    MeshAttributes {
+        normals: normals(mesh, shape, say),
+        display_color: color.and_then(|(p, name)| attribute(mesh, p, &name, to_vec3, say)),
+        display_opacity: opacity.and_then(|(p, name)| attribute(mesh, p, &name, to_float, say)),
+        st: st.and_then(|(p, name)| attribute(mesh, p, &name, to_vec2, say)),
+    }
+}
+
+/// Authored normals of a polygonal mesh; smooth ones of a subdivision surface, which ignores what is
+/// authored (UsdGeomMesh); else none, which is flat.
+fn normals(mesh: &Mesh, shape: &MeshShape, say: &mut dyn FnMut(String)) -> Option<Attribute<Vec3>> {
+    match mesh.topology.scheme {
+        SubdivisionScheme::CatmullClark | SubdivisionScheme::Loop => {
+            let normals = smooth_normals(&shape.mesh, bytemuck::cast_slice(&shape.points));
+            let values: Vec<Vec3> = bytemuck::allocation::cast_vec(normals);
+            let count = values.len();
+            Attribute::new(values, umber_geometry::Interpolation::Vertex, 0, count, 0).ok()
+        }
+        SubdivisionScheme::Bilinear => None,
+        SubdivisionScheme::None => {
+            let primvar = mesh.normals.as_ref()?;
+            attribute(mesh, primvar, "normals", to_vec3, say)
+        }
+    }
+}
+
+fn attribute<T: AttributeValue>(
+    mesh: &Mesh,
+    primvar: &Primvar,
+    name: &str,
+    convert: fn(&PrimvarValues) -> Option<Arc<[T]>>,
+    say: &mut dyn FnMut(String),
+) -> Option<Attribute<T>> {
+    let Some(values) = convert(&primvar.values) else {
+        say(format!("primvar '{name}' ignored: its values have the wrong type"));
+        return None;
+    };
+    if values.is_empty() {
+        return None;
+    }
+    let topology = &mesh.topology;
+    let faces = topology.face_vertex_counts.len();
+    let corners = topology.face_vertex_indices.len();
+    Attribute::new(values, primvar.interpolation, faces, mesh.points.len(), corners)
+        .map_err(|problem: MeshProblem| say(format!("primvar '{name}' ignored: {problem}")))
+        .ok()
+}
+
+fn to_vec3(values: &PrimvarValues) -> Option<Arc<[Vec3]>> {
+    match values {
+        PrimvarValues::Float3(v) => Some(Arc::clone(v)),
+        PrimvarValues::Float4(v) => Some(v.iter().map(|v| v.truncate()).collect()),
+        _ => None,
+    }
+}
+
+fn to_vec2(values: &PrimvarValues) -> Option<Arc<[Vec2]>> {
+    match values {
+        PrimvarValues::Float2(v) => Some(Arc::clone(v)),
+        PrimvarValues::Float3(v) => Some(v.iter().map(|v| v.truncate()).collect()),
+        _ => None,
+    }
+}
+
+fn to_float(values: &PrimvarValues) -> Option<Arc<[f32]>> {
+    match values {
+        PrimvarValues::Float(v) => Some(Arc::clone(v)),
+        _ => None,
+    }
+}

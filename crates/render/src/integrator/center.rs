@@ -1,0 +1,29 @@
+//! What is seen through the middle of a pixel, for AOVs that have no mean.
+
+use umber_math::Vec2;
+
+use crate::film::CenterHit;
+use crate::scene::RenderScene;
+use crate::surface::{self, SurfaceInteraction};
+
+/// Traces the ray through the middle of a film pixel. Surfaces at least half there count.
+pub fn trace(scene: &RenderScene, pixel: [usize; 2], rays: &mut u64) -> Option<CenterHit> {
+    let ray = scene.camera.ray(Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5));
+    let hit = scene.camera_hit(ray, rays, |_| 0.5)?;
+    let surface = SurfaceInteraction::new(scene, &hit);
+    let mesh = &scene.meshes[hit.mesh as usize];
+    let depths = scene.camera.depths(surface.point);
+    // USD's tools show normals towards the viewer
+    let normal = surface.shading_normal.facing(-ray.direction);
+    Some(CenterHit {
+        depth: depths.projected,
+        camera_depth: depths.camera,
+        // render space is world space, moved
+        normal: normal.0.to_array(),
+        neye: scene.camera.eye_normal(normal).0.to_array(),
+        prim_id: mesh.prim_id,
+        instance_id: scene.instance_id(&hit),
+        element_id: mesh.shape.mesh.elements[hit.triangle as usize] as i32,
+        st: surface::st(scene, &hit).to_array(),
+    })
+}

@@ -1,0 +1,201 @@
+//! Unidirectional path tracing with next-event estimation and multiple importance sampling.
+
+use umber_math::{Point3, Ray, Rgb, Vector3};
+use umber_sampling::{Sampler, power_heuristic};
+use umber_shading::{Bsdf, LobeKind};
+
+use super::{CAMERA_DIMENSIONS, RadianceSample};
+use crate::light_set::ShapeHit;
+use crate::scene::RenderScene;
+use crate::surface::SurfaceInteraction;
+
+/// Sample dimensions of one path vertex, and which of them is for what.
+const VERTEX_DIMENSIONS: u32 = 8;
+const LIGHT_CHOICE: u32 = 0;
+const LIGHT_POINT: u32 = 1;
+const LOBE_CHOICE: u32 = 2;
+const LOBE_DIRECTION: u32 = 3;
+const ROULETTE: u32 = 4;
+/// Partly present surfaces on the way to a vertex use the dimensions from here on.
+const PRESENCE_DIMENSIONS: u32 = 1 << 16;
+
+/// How a ray's direction was found.
+#[derive(Clone, Copy)]
+enum Origin {
+    Camera,
+    /// No light sample could have found it.
+    Delta {
+        diffuse_share: Rgb,
+    },
+    /// By the BSDF at a point, with this density.
+    Bsdf {
+        point: Point3,
+        pdf_solid_angle: f32,
+        diffuse_share: Rgb,
+    },
+}
+
+/// Traces a path from the camera.
+pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
+    let mut radiance = Rgb::BLACK;
+    let mut throughput = Rgb::WHITE;
+    let mut origin = Origin::Camera;
+    let mut coverage = 1.0;
+    for bounce in 0..=scene.settings.max_bounces {
+        let base = CAMERA_DIMENSIONS + bounce * VERTEX_DIMENSIONS;
+        let at_camera = matches!(origin, Origin::Camera);
+        let chance = |pass: u32| {
+            sampler.start_dimension(PRESENCE_DIMENSIONS + (bounce << 10) + pass);
+            sampler.next_1d()
+        };
+        let hit = if at_camera { scene.camera_hit(ray, rays, chance) } else { scene.closest_hit(ray, rays, chance) };
+        let before = Ray { t_max: hit.as_ref().map_or(ray.t_max, |hit| hit.t), ..ray };
+        if let Some(shape) = scene.lights.intersect(&before, at_camera) {
+            radiance += throughput * from_shape(scene, &shape, &ray, origin);
+            break;
+        }
+        let Some(hit) = hit else {
+            let (arriving, seen) = from_infinity(scene, ray.direction, origin);
+            radiance += throughput * arriving;
+            if at_camera && !seen {
+                coverage = 0.0;
+            }
+            break;
+        };
+        let surface = SurfaceInteraction::new(scene, &hit);
+        radiance += throughput * surface.emission;
+        if bounce == scene.settings.max_bounces {
+            break;
+        }
+        let wo = -ray.direction.normalized();
+        let bsdf = surface.bsdf(wo);
+        if bsdf.is_black() {
+            break;
+        }
+        if bsdf.has_non_delta() {
+            radiance += throughput * direct(scene, &surface, &bsdf, wo, base, sampler, rays);
+        }
+        sampler.start_dimension(base + LOBE_CHOICE);
+        let lobe = sampler.next_1d();
+        sampler.start_dimension(base + LOBE_DIRECTION);
+        let Some(sample) = bsdf.sample(wo, lobe, sampler.next_2d()) else { break };
+        throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
+        if !survives(scene, bounce, &mut throughput, base, sampler) {
+            break;
+        }
+        let diffuse_share = share(sample.f_diffuse, sample.f);
+        origin = match sample.lobe {
+            LobeKind::Delta => Origin::Delta { diffuse_share },
+            LobeKind::Diffuse | LobeKind::Glossy => {
+                Origin::Bsdf { point: surface.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share }
+            }
+        };
+        ray = surface.spawn_ray(sample.wi);
+    }
+    RadianceSample { radiance, coverage }
+}
+
+/// Russian roulette by throughput.
+fn survives(scene: &RenderScene, bounce: u32, throughput: &mut Rgb, base: u32, sampler: &mut Sampler) -> bool {
+    if throughput.is_black() || !throughput.is_finite() {
+        return false;
+    }
+    if bounce < scene.settings.roulette_bounces {
+        return true;
+    }
+    let survival = throughput.max_channel().min(0.95);
+    sampler.start_dimension(base + ROULETTE);
+    if sampler.next_1d() >= survival {
+        return false;
+    }
+    *throughput *= 1.0 / survival;
+    true
+}
+
+/// Channel by channel, how much of `whole` is `part`.
+fn share(part: Rgb, whole: Rgb) -> Rgb {
+    Rgb((part.0 / whole.0.max(glam::Vec3::splat(f32::MIN_POSITIVE))).clamp(glam::Vec3::ZERO, glam::Vec3::ONE))
+}
+
+/// How a light's `diffuse` and `specular` multipliers scale what arrives through a sampled lobe.
+fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
+    let light = &scene.lights.lights()[light as usize];
+    Rgb::splat(light.specular()) + diffuse_share * (light.diffuse() - light.specular())
+}
+
+/// Weight of a light's radiance that was found by following a ray.
+fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin) -> Rgb {
+    match origin {
+        Origin::Camera => Rgb::WHITE,
+        Origin::Delta { diffuse_share } => multiplier(scene, light, diffuse_share),
+        Origin::Bsdf { point, pdf_solid_angle, diffuse_share } => {
+            let of_light = &scene.lights.lights()[light as usize];
+            if !of_light.shadow_enable() {
+                // shines through things: light samples alone find all of it
+                return Rgb::BLACK;
+            }
+            let pdf_light = scene.lights.pmf(point, light) * of_light.pdf_solid_angle(point, wi);
+            let mis_weight_bsdf = power_heuristic(pdf_solid_angle, pdf_light);
+            multiplier(scene, light, diffuse_share) * mis_weight_bsdf
+        }
+    }
+}
+
+fn from_shape(scene: &RenderScene, hit: &ShapeHit, ray: &Ray, origin: Origin) -> Rgb {
+    hit.radiance * weight_of_found(scene, hit.light, ray.direction, origin)
+}
+
+/// Radiance of the lights around the scene, and whether the camera sees any of them.
+fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool) {
+    let mut sum = Rgb::BLACK;
+    let mut seen = false;
+    for &light in scene.lights.infinite() {
+        let of_light = &scene.lights.lights()[light as usize];
+        if matches!(origin, Origin::Camera)
+            && !(of_light.camera_visible() && scene.settings.dome_light_camera_visibility)
+        {
+            continue;
+        }
+        if let Some(radiance) = of_light.radiance_from_infinity(wi) {
+            sum += radiance * weight_of_found(scene, light, wi, origin);
+            seen = true;
+        }
+    }
+    (sum, seen)
+}
+
+/// Next-event estimation: one light sample, weighted against finding it by the BSDF.
+fn direct(
+    scene: &RenderScene,
+    surface: &SurfaceInteraction,
+    bsdf: &Bsdf,
+    wo: Vector3,
+    base: u32,
+    sampler: &mut Sampler,
+    rays: &mut u64,
+) -> Rgb {
+    sampler.start_dimension(base + LIGHT_CHOICE);
+    let Some((index, pmf)) = scene.lights.choose(surface.point, sampler.next_1d()) else { return Rgb::BLACK };
+    let light = &scene.lights.lights()[index as usize];
+    sampler.start_dimension(base + LIGHT_POINT);
+    let Some(sample) = light.sample(surface.point, sampler.next_2d()) else { return Rgb::BLACK };
+    let value = bsdf.evaluate(wo, sample.wi);
+    let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
+    let pdf_light = pmf * sample.pdf_solid_angle;
+    let unoccluded = f * sample.radiance * (bsdf.cos_theta(sample.wi) / pdf_light);
+    if unoccluded.is_black() || !unoccluded.is_finite() {
+        return Rgb::BLACK;
+    }
+    let mis_weight_light =
+        if sample.is_delta || !light.shadow_enable() { 1.0 } else { power_heuristic(pdf_light, value.pdf_solid_angle) };
+    if !light.shadow_enable() {
+        return unoccluded * mis_weight_light;
+    }
+    let mut shadow_ray = surface.spawn_ray(sample.wi);
+    // the light's own rounding error is relative to its distance
+    shadow_ray.t_max = sample.distance * (1.0 - 4.0 * f32::EPSILON);
+    if scene.lights.occluded(&shadow_ray, index) {
+        return Rgb::BLACK;
+    }
+    unoccluded * (mis_weight_light * scene.transmittance(shadow_ray, rays))
+}

@@ -1,0 +1,104 @@
+//! All lights of a render scene, ready to be sampled and met by rays.
+
+use umber_bvh::BoundsBvh;
+use umber_math::{Bounds3, Point3, Ray, Rgb};
+use umber_shading::{Light, LightSampler};
+
+/// The lights and the structures over them.
+pub struct LightSet {
+    lights: Vec<Light>,
+    sampler: LightSampler,
+    /// Lights that have a place and a size, and the hierarchy over their boxes.
+    shapes: Vec<u32>,
+    shapes_bvh: BoundsBvh,
+    /// Lights that rays meet when they leave the scene.
+    infinite: Vec<u32>,
+}
+
+/// A ray's hit with a light.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeHit {
+    /// Which light.
+    pub light: u32,
+    /// Radiance towards the ray's origin.
+    pub radiance: Rgb,
+}
+
+impl Default for LightSet {
+    fn default() -> Self {
+        Self::new(Vec::new(), Bounds3::EMPTY)
+    }
+}
+
+impl LightSet {
+    /// Lights of a scene with these bounds, both in render space. Lights that emit nothing are left out.
+    pub fn new(lights: Vec<Light>, scene_bounds: Bounds3) -> Self {
+        let lights: Vec<Light> = lights.into_iter().filter(|light| !light.is_black()).collect();
+        let numbered = || lights.iter().zip(0u32..);
+        let shapes: Vec<u32> = numbered().filter(|(l, _)| l.bounds().is_some() && !l.is_delta()).map(|l| l.1).collect();
+        let boxes: Vec<Bounds3> = shapes.iter().filter_map(|i| lights[*i as usize].bounds()).collect();
+        let infinite = numbered().filter(|(l, _)| l.is_infinite() && !l.is_delta()).map(|l| l.1).collect();
+        let all = boxes.iter().fold(scene_bounds, |a, b| a.union(*b));
+        let radius = 0.5 * all.size().length();
+        let sampler = LightSampler::new(&lights, if radius.is_finite() { radius } else { 1.0 });
+        Self { shapes_bvh: BoundsBvh::build(&boxes), sampler, shapes, infinite, lights }
+    }
+
+    /// All lights, by index.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+    /// Lights that rays meet when they leave the scene.
+    pub fn infinite(&self) -> &[u32] {
+        &self.infinite
+    }
+    /// Chooses a light for a point: its index and the probability of the choice.
+    #[inline]
+    pub fn choose(&self, p: Point3, u: f32) -> Option<(u32, f32)> {
+        self.sampler.sample(p, u).map(|(index, pmf)| (index as u32, pmf))
+    }
+    /// Probability with which [`choose`](Self::choose) takes a light.
+    #[inline]
+    pub fn pmf(&self, p: Point3, light: u32) -> f32 {
+        self.sampler.pmf(p, light as usize)
+    }
+
+    /// The nearest light shape on a ray. A side that does not emit is not there.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, camera: bool) -> Option<ShapeHit> {
+        if self.shapes.is_empty() {
+            return None;
+        }
+        let mut nearest: Option<ShapeHit> = None;
+        self.shapes_bvh.traverse(ray, |slot, t_max| {
+            let index = self.shapes[slot as usize];
+            let light = &self.lights[index as usize];
+            if camera && !light.camera_visible() {
+                return None;
+            }
+            let hit = light.intersect(&Ray { t_max, ..*ray }).filter(|hit| !hit.radiance.is_black())?;
+            nearest = Some(ShapeHit { light: index, radiance: hit.radiance });
+            Some(hit.t)
+        });
+        nearest
+    }
+
+    /// Whether a light shape other than `target` lies on a ray.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, target: u32) -> bool {
+        if self.shapes.is_empty() || self.shapes[..] == [target] {
+            return false;
+        }
+        let mut occluded = false;
+        self.shapes_bvh.traverse(ray, |slot, t_max| {
+            let index = self.shapes[slot as usize];
+            if occluded || index == target {
+                return None;
+            }
+            let ray = Ray { t_max, ..*ray };
+            occluded |= self.lights[index as usize].intersect(&ray).is_some_and(|hit| !hit.radiance.is_black());
+            occluded.then_some(ray.t_min)
+        });
+        occluded
+    }
+}

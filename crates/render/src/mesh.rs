@@ -1,0 +1,88 @@
+//! Meshes as rays meet them.
+
+use std::sync::Arc;
+
+use umber_bvh::MeshBvh;
+use umber_geometry::{Attribute, TriangleMesh};
+use umber_math::{Point3, Vec2, Vec3};
+use umber_scene::CulledFaces;
+
+use crate::material::RenderMaterial;
+
+/// Points and triangles of a mesh with their hierarchy: what topology and points make.
+pub struct MeshShape {
+    /// Points, object space.
+    pub points: Arc<[Vec3]>,
+    /// Triangles.
+    pub mesh: TriangleMesh,
+    /// Hierarchy over the triangles.
+    pub bvh: Arc<MeshBvh>,
+}
+
+impl MeshShape {
+    /// The corners of a triangle, object space.
+    #[inline]
+    pub fn triangle(&self, triangle: u32) -> [Point3; 3] {
+        self.mesh.triangles[triangle as usize].map(|i| Point3(self.points[i as usize]))
+    }
+    /// Bytes it takes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.points) + self.mesh.memory_bytes() + self.bvh.memory_bytes()
+    }
+}
+
+/// What spreads over a mesh.
+#[derive(Debug, Default)]
+pub struct MeshAttributes {
+    /// Shading normals, object space; `None`: flat.
+    pub normals: Option<Attribute<Vec3>>,
+    /// `displayColor`.
+    pub display_color: Option<Attribute<Vec3>>,
+    /// `displayOpacity`.
+    pub display_opacity: Option<Attribute<f32>>,
+    /// `st`.
+    pub st: Option<Attribute<Vec2>>,
+}
+
+/// Index of a material that means: none bound, show displayColor.
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// A mesh of a render scene.
+#[derive(Clone)]
+pub struct RenderMesh {
+    /// Shape.
+    pub shape: Arc<MeshShape>,
+    /// Attributes.
+    pub attributes: Arc<MeshAttributes>,
+    /// Material of the faces that no subset names.
+    pub material: u32,
+    /// Material of each face, where subsets differ from it.
+    pub face_materials: Option<Arc<[u32]>>,
+    /// Faces that the camera looks through.
+    pub culled_faces: CulledFaces,
+    /// Value of the `primId` AOV.
+    pub prim_id: i32,
+}
+
+impl RenderMesh {
+    /// Index of the material of a triangle.
+    #[inline]
+    pub fn material_of(&self, triangle: u32) -> u32 {
+        match &self.face_materials {
+            Some(materials) => materials[self.shape.mesh.elements[triangle as usize] as usize],
+            None => self.material,
+        }
+    }
+
+    /// Whether some of its surface may let rays pass.
+    pub fn may_be_absent(&self, materials: &[RenderMaterial]) -> bool {
+        let absent = |material: u32| match materials.get(material as usize) {
+            Some(material) if material.lobes.is_some() => material.presence < 1.0,
+            _ => self.attributes.display_opacity.as_ref().is_some_and(|a| a.values().iter().any(|o| *o < 1.0)),
+        };
+        match &self.face_materials {
+            Some(faces) => faces.iter().any(|m| absent(*m)),
+            None => absent(self.material),
+        }
+    }
+}

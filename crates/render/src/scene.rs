@@ -1,0 +1,108 @@
+//! The frozen scene: what integrators read. It has no setters.
+
+use std::sync::Arc;
+
+use umber_bvh::{Hit, InstanceBvh};
+use umber_math::{Ray, Vector3};
+use umber_scene::CulledFaces;
+use umber_settings::Settings;
+
+use crate::camera::RenderCamera;
+use crate::compile::InstanceNumber;
+use crate::light_set::LightSet;
+use crate::material::RenderMaterial;
+use crate::mesh::RenderMesh;
+use crate::surface;
+
+/// A scene as it was when it was compiled, in render space: world space, moved so that the camera is
+/// near the origin.
+pub struct RenderScene {
+    /// Camera.
+    pub camera: RenderCamera,
+    /// Settings.
+    pub settings: Settings,
+    /// Hierarchy over all geometry.
+    pub top: Arc<InstanceBvh>,
+    /// What the tags of the hierarchy's instances mean.
+    pub numbers: Arc<[InstanceNumber]>,
+    /// Mesh instances, nested ones multiplied out.
+    pub instance_count: u64,
+    /// Meshes, as the hierarchy numbers them.
+    pub meshes: Arc<[RenderMesh]>,
+    /// Materials, as the meshes number them.
+    pub materials: Arc<[RenderMaterial]>,
+    /// Lights.
+    pub lights: Arc<LightSet>,
+    /// Whether any surface may let rays pass: where none does, nobody asks.
+    pub partly_present: bool,
+}
+
+/// Rays that went through surfaces which are not there end after so many of them.
+const MAX_PASSES: u32 = 1024;
+
+impl RenderScene {
+    /// The nearest surface on a ray that is there. `chance(n)` gives the n-th number in [0, 1) that
+    /// decides about partly present surfaces. Counts rays.
+    pub fn closest_hit(&self, mut ray: Ray, rays: &mut u64, mut chance: impl FnMut(u32) -> f32) -> Option<Hit> {
+        for pass in 0..MAX_PASSES {
+            *rays += 1;
+            let hit = self.top.closest_hit(&ray)?;
+            if !self.partly_present {
+                return Some(hit);
+            }
+            let presence = surface::presence(self, &hit);
+            if presence >= 1.0 || presence > 0.0 && chance(pass) < presence {
+                return Some(hit);
+            }
+            ray.t_min = hit.t;
+        }
+        None
+    }
+
+    /// As [`closest_hit`](Self::closest_hit), for a camera ray: culled faces are looked through.
+    pub fn camera_hit(&self, mut ray: Ray, rays: &mut u64, mut chance: impl FnMut(u32) -> f32) -> Option<Hit> {
+        loop {
+            let hit = self.closest_hit(ray, rays, &mut chance)?;
+            if !self.culls(&hit, ray.direction) {
+                return Some(hit);
+            }
+            ray.t_min = hit.t;
+        }
+    }
+
+    fn culls(&self, hit: &Hit, direction: Vector3) -> bool {
+        let culled = self.meshes[hit.mesh as usize].culled_faces;
+        if culled == CulledFaces::None {
+            return false;
+        }
+        let away = surface::SurfaceInteraction::new(self, hit).geometric_normal.as_vector().dot(direction) > 0.0;
+        away == (culled == CulledFaces::Back)
+    }
+
+    /// How much of the light passes along a ray: 0 or 1, or between where surfaces are partly there.
+    pub fn transmittance(&self, mut ray: Ray, rays: &mut u64) -> f32 {
+        *rays += 1;
+        if !self.partly_present {
+            return if self.top.any_hit(&ray) { 0.0 } else { 1.0 };
+        }
+        let mut through = 1.0;
+        for _ in 0..MAX_PASSES {
+            let Some(hit) = self.top.closest_hit(&ray) else { return through };
+            through *= 1.0 - surface::presence(self, &hit);
+            if through <= 0.0 {
+                return 0.0;
+            }
+            *rays += 1;
+            ray.t_min = hit.t;
+        }
+        0.0
+    }
+
+    /// The number of the instance at a hit, as Hydra counts: the innermost instancer's number runs fastest.
+    pub fn instance_id(&self, hit: &Hit) -> i32 {
+        let levels = 0..hit.path.as_slice().len();
+        let tags = levels.filter_map(|level| self.top.instance_at(&hit.path, level)).map(|i| i.tag);
+        tags.map(|tag| self.numbers[tag as usize]).fold(0u32, |id, n| id.wrapping_mul(n.count).wrapping_add(n.position))
+            as i32
+    }
+}

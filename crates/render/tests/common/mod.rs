@@ -1,0 +1,118 @@
+//! Small scenes for the tests of the session.
+#![allow(dead_code)] // each test binary uses its own part
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use umber_math::{DAffine3, DVec3, Rgb, Vec3};
+use umber_render::{Aov, BufferFormat, FilmDesc, Session};
+use umber_scene::{
+    Camera, CameraId, Material, MaterialId, MeshId, MeshPatch, PreviewSurface, SceneEdit, SubdivisionScheme, Topology,
+};
+use umber_settings::Value;
+
+pub const SIZE: usize = 24;
+
+/// A cube of half edge 1 around the origin.
+pub fn cube() -> MeshPatch {
+    let points: Vec<Vec3> =
+        (0..8).map(|i| Vec3::new((i >> 2 & 1) as f32, (i >> 1 & 1) as f32, (i & 1) as f32) * 2.0 - Vec3::ONE).collect();
+    let topology = Topology {
+        scheme: SubdivisionScheme::None,
+        face_vertex_counts: [4; 6].into(),
+        face_vertex_indices: [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3].into(),
+        ..Topology::default()
+    };
+    MeshPatch {
+        topology: Some(Arc::new(topology)),
+        points: Some(points.into()),
+        transform: Some(DAffine3::IDENTITY),
+        visible: Some(true),
+        prim_id: Some(7),
+        ..MeshPatch::default()
+    }
+}
+
+pub fn mesh(path: &str, patch: MeshPatch) -> SceneEdit {
+    SceneEdit::Mesh(MeshId::new(path), Box::new(patch))
+}
+
+pub fn setting(key: &str, value: i64) -> SceneEdit {
+    SceneEdit::Setting(key.into(), Value::Int(value))
+}
+
+/// A camera at `z` that looks along -Z, 53 degrees wide.
+pub fn camera_at(z: f64) -> SceneEdit {
+    let camera = Camera {
+        world_from_camera: DAffine3::from_translation(DVec3::new(0.0, 0.0, z)),
+        aperture: umber_math::DVec2::ONE,
+        focal_length: 1.0,
+        clipping_range: [0.01, 1e6],
+        ..Camera::default()
+    };
+    SceneEdit::Camera(CameraId::new("/camera"), camera)
+}
+
+/// A session that looks from `z` with `samples` a pixel.
+pub fn session(z: f64, samples: i64, aovs: &[Aov]) -> Session {
+    let session = Session::new();
+    session.set_film(FilmDesc::new(SIZE, SIZE, aovs));
+    for edit in [
+        camera_at(z),
+        SceneEdit::RenderCamera(CameraId::new("/camera")),
+        setting("convergedSamplesPerPixel", samples),
+        setting("umber:threads", 2),
+    ] {
+        session.edit(edit).unwrap();
+    }
+    session
+}
+
+pub fn lambert(albedo: f32, emission: f32) -> Material {
+    Material::Preview(PreviewSurface {
+        diffuse_color: Rgb::splat(albedo),
+        emissive_color: Rgb::splat(emission),
+        use_specular_workflow: true,
+        specular_color: Rgb::BLACK,
+        ..PreviewSurface::default()
+    })
+}
+
+pub fn bind(session: &Session, mesh_path: &str, material_path: &str, material: Material) {
+    let id = MaterialId::new(material_path);
+    session.edit(SceneEdit::Material(id.clone(), material)).unwrap();
+    session.edit(mesh(mesh_path, MeshPatch { material: Some(Some(id)), ..MeshPatch::default() })).unwrap();
+}
+
+/// Renders to the end.
+pub fn finish(session: &Session) {
+    session.start();
+    assert!(session.wait(Duration::from_secs(120)), "not finished in time");
+}
+
+pub fn color(session: &Session) -> Vec<[f32; 4]> {
+    let mut out = vec![0u8; SIZE * SIZE * 16];
+    assert!(session.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
+    bytemuck::cast_slice(&out).to_vec()
+}
+
+pub fn ids(session: &Session, aov: Aov) -> Vec<i32> {
+    let mut out = vec![0u8; SIZE * SIZE * 4];
+    assert!(session.resolve(aov, BufferFormat::Int32, &mut out));
+    bytemuck::cast_slice(&out).to_vec()
+}
+
+pub fn floats(session: &Session, aov: Aov) -> Vec<f32> {
+    let mut out = vec![0u8; SIZE * SIZE * 4];
+    assert!(session.resolve(aov, BufferFormat::Float32, &mut out));
+    bytemuck::cast_slice(&out).to_vec()
+}
+
+/// No messages but these.
+pub fn assert_messages(session: &Session, expected: &[&str]) {
+    let said: Vec<String> = session.take_messages().iter().map(ToString::to_string).collect();
+    assert_eq!(said.len(), expected.len(), "{said:?}");
+    for (text, want) in said.iter().zip(expected) {
+        assert!(text.contains(want), "{text:?} does not speak of {want:?}");
+    }
+}

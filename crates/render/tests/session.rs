@@ -1,0 +1,202 @@
+//! The session as a host drives it.
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::*;
+use umber_math::{DAffine3, DVec3};
+use umber_render::{Aov, FilmDesc};
+use umber_scene::{Instancer, InstancerId, InstancerPatch, Light, LightId, LightKind, MeshId, MeshPatch, SceneEdit};
+
+fn dome() -> SceneEdit {
+    SceneEdit::Light(LightId::new("/dome"), Light::new(LightKind::Dome { texture: None }))
+}
+
+#[test]
+fn the_same_picture_whatever_the_threads_and_the_stops() {
+    let render = |threads: i64, interrupt: bool| {
+        let session = session(4.0, 32, &[Aov::Color, Aov::PrimId]);
+        session.edit(setting("umber:threads", threads)).unwrap();
+        session.edit(mesh("/box", cube())).unwrap();
+        session.edit(dome()).unwrap();
+        if interrupt {
+            session.edit(setting("enableInteractive", 1)).unwrap();
+            while !session.is_converged() {
+                session.start();
+                std::thread::sleep(Duration::from_micros(300));
+                session.stop();
+            }
+        } else {
+            session.edit(setting("enableInteractive", 0)).unwrap();
+            finish(&session);
+        }
+        color(&session)
+    };
+    let one = render(1, false);
+    assert_eq!(one, render(2, false));
+    assert_eq!(one, render(8, false));
+    assert_eq!(one, render(2, true));
+}
+
+#[test]
+fn compile_reuses_what_did_not_change() {
+    let session = session(4.0, 1, &[Aov::Color]);
+    for i in 0..5 {
+        session.edit(mesh(&format!("/box{i}"), cube())).unwrap();
+    }
+    bind(&session, "/box0", "/m", lambert(0.5, 0.0));
+    let built = |edit: Option<SceneEdit>| {
+        if let Some(edit) = edit {
+            assert!(session.edit(edit).unwrap());
+            assert!(!session.is_converged());
+        }
+        finish(&session);
+        let stats = session.stats();
+        (stats.built_meshes, stats.built_top_level)
+    };
+    assert_eq!(built(None), (5, true));
+    assert_eq!(built(Some(camera_at(5.0))), (0, false));
+    let moved = Some(DAffine3::from_translation(DVec3::X));
+    assert_eq!(built(Some(mesh("/box1", MeshPatch { transform: moved, ..MeshPatch::default() }))), (0, true));
+    let points = cube().points.unwrap().iter().map(|p| *p * 0.5).collect();
+    assert_eq!(built(Some(mesh("/box2", MeshPatch { points: Some(points), ..MeshPatch::default() }))), (1, true));
+    let m = umber_scene::MaterialId::new("/m");
+    assert_eq!(built(Some(SceneEdit::Material(m, lambert(0.7, 0.0)))), (0, false));
+    assert_eq!(built(Some(dome())), (0, false));
+    assert_eq!(built(Some(SceneEdit::RemoveMesh(MeshId::new("/box3")))), (0, true));
+    assert_eq!(built(Some(setting("umber:seed", 9))), (0, false));
+}
+
+#[test]
+fn unchanged_values_restart_nothing() {
+    let session = session(4.0, 4, &[Aov::Color]);
+    session.edit(mesh("/box", cube())).unwrap();
+    finish(&session);
+    let rays = session.stats().rays;
+    assert!(!session.edit(mesh("/box", cube())).unwrap());
+    assert!(!session.edit(camera_at(4.0)).unwrap());
+    assert!(!session.edit(setting("domeLightCameraVisibility", 1)).unwrap());
+    assert!(!session.set_film(FilmDesc::new(SIZE, SIZE, &[Aov::Color])));
+    assert!(session.is_converged());
+    session.start();
+    assert!(session.is_converged() && session.stats().rays == rays);
+}
+
+#[test]
+fn nothing_to_look_through_is_an_error_and_ends() {
+    let session = umber_render::Session::new();
+    session.set_film(FilmDesc::new(SIZE, SIZE, &[Aov::Color]));
+    session.edit(mesh("/box", cube())).unwrap();
+    finish(&session);
+    assert_messages(&session, &["no camera"]);
+    assert!(color(&session).iter().all(|p| *p == [0.0; 4]));
+}
+
+#[test]
+fn bad_input_is_named_and_the_rest_is_rendered() {
+    let session = session(4.0, 1, &[Aov::Color, Aov::PrimId]);
+    session.edit(mesh("/good", cube())).unwrap();
+    let mut points = cube().points.unwrap().to_vec();
+    points[0].x = f32::NAN;
+    session.edit(mesh("/nan", MeshPatch { points: Some(points.into()), ..cube() })).unwrap();
+    let flat = Some(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)));
+    session.edit(mesh("/flat", MeshPatch { transform: flat, ..cube() })).unwrap();
+    let nowhere = Some(Some(InstancerId::new("/nowhere")));
+    session.edit(mesh("/lost", MeshPatch { instancer: nowhere, ..cube() })).unwrap();
+    let dark = Light { intensity: f32::NAN, ..Light::new(LightKind::Distant { angle_deg: 1.0 }) };
+    session.edit(SceneEdit::Light(LightId::new("/dark"), dark)).unwrap();
+    finish(&session);
+    assert_messages(&session, &["</nan>", "</nowhere>", "singular", "</dark>"]);
+    assert!(color(&session).iter().flatten().all(|v| v.is_finite()));
+    assert!(ids(&session, Aov::PrimId).contains(&7));
+    // the same again says nothing new
+    session.edit(camera_at(4.5)).unwrap();
+    finish(&session);
+    assert_messages(&session, &[]);
+}
+
+#[test]
+fn nested_instances_have_numbers_and_places() {
+    let session = session(30.0, 1, &[Aov::InstanceId, Aov::Depth]);
+    let shift = |x: f64, y: f64| DAffine3::from_translation(DVec3::new(x, y, 0.0));
+    let outer = InstancerPatch {
+        transforms: Some([shift(0.0, -6.0), shift(0.0, 0.0), shift(0.0, 6.0)].into()),
+        ..InstancerPatch::default()
+    };
+    let inner = InstancerPatch {
+        parent: Some(Some(InstancerId::new("/outer"))),
+        parent_indices: Some([0, 2].into()),
+        transforms: Some([shift(-6.0, 0.0), shift(6.0, 0.0)].into()),
+        ..InstancerPatch::default()
+    };
+    session.edit(SceneEdit::Instancer(InstancerId::new("/outer"), outer)).unwrap();
+    session.edit(SceneEdit::Instancer(InstancerId::new("/inner"), inner)).unwrap();
+    for (path, x) in [("/a", 0.0), ("/b", 2.5)] {
+        let patch = MeshPatch {
+            instancer: Some(Some(InstancerId::new("/inner"))),
+            instance_indices: Some([0, 1].into()),
+            transform: Some(shift(x, 0.0) * DAffine3::from_scale(DVec3::splat(0.9))),
+            ..cube()
+        };
+        session.edit(mesh(path, patch)).unwrap();
+    }
+    finish(&session);
+    assert_messages(&session, &[]);
+    assert_eq!(session.stats().instances, 8);
+    let id = ids(&session, Aov::InstanceId);
+    // 53 degrees at distance 30 show 30 units: 1.25 a pixel, row 0 the lowest
+    let at = |x: f64, y: f64| id[((y + 15.0) / 1.25) as usize * SIZE + ((x + 15.0) / 1.25) as usize];
+    assert_eq!([at(-6.0, -6.0), at(6.0, -6.0), at(-6.0, 6.0), at(6.0, 6.0)], [0, 1, 2, 3]);
+    assert_eq!([at(-3.5, -6.0), at(8.5, 6.0)], [0, 3]);
+    assert_eq!(at(0.0, 0.0), -1);
+    let hidden = SceneEdit::Instancer(
+        InstancerId::new("/outer"),
+        InstancerPatch { visible: Some(false), ..InstancerPatch::default() },
+    );
+    session.edit(hidden).unwrap();
+    finish(&session);
+    assert!(ids(&session, Aov::InstanceId).iter().all(|id| *id == -1));
+    assert_eq!(Instancer::default().visible, true);
+}
+
+#[test]
+fn depths_and_normals() {
+    let session = session(4.0, 1, &[Aov::Depth, Aov::CameraDepth, Aov::Normal, Aov::Neye, Aov::ElementId]);
+    session.edit(mesh("/box", cube())).unwrap();
+    finish(&session);
+    let middle = SIZE / 2 * SIZE + SIZE / 2;
+    let (near, far) = (0.01f32, 1e6f32);
+    assert!((floats(&session, Aov::CameraDepth)[middle] - 3.0).abs() < 1e-5);
+    let depth = floats(&session, Aov::Depth);
+    assert!((depth[middle] - far / (far - near) * (1.0 - near / 3.0)).abs() < 1e-6);
+    assert_eq!(depth[0], 1.0);
+    assert_eq!(ids(&session, Aov::ElementId)[middle], 5);
+}
+
+#[test]
+fn stop_answers_while_rendering() {
+    let session = session(4.0, 1 << 20, &[Aov::Color]);
+    session.set_film(FilmDesc::new(512, 512, &[Aov::Color]));
+    session.edit(mesh("/box", cube())).unwrap();
+    session.edit(dome()).unwrap();
+    session.start();
+    while session.stats().rays == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let started = Instant::now();
+    session.stop();
+    let rays = session.stats().rays;
+    std::thread::sleep(Duration::from_millis(20));
+    assert_eq!(session.stats().rays, rays, "rendering went on after stop");
+    assert!(started.elapsed() < Duration::from_secs(5), "stop never answered");
+    assert!(!session.is_converged());
+    session.set_paused(true);
+    session.start();
+    std::thread::sleep(Duration::from_millis(20));
+    assert_eq!(session.stats().rays, rays, "rendering went on while paused");
+    session.set_paused(false);
+    while session.stats().rays == rays {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
