@@ -129,3 +129,60 @@ impl WideTree {
         self.nodes.capacity() * size_of::<WideNode>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::binary::BinaryNode;
+    use umber_math::Point3;
+
+    /// A binary tree in which each node has one leaf and all the rest.
+    fn chain(count: u32) -> BinaryTree {
+        let area = |left: u32| left as f32 * left as f32;
+        let mut nodes = vec![BinaryNode { half_area: area(count), first: 1, is_leaf: false }];
+        for i in 0..count - 1 {
+            let last = i == count - 2;
+            let rest = if last { count - 1 } else { 2 * i + 3 };
+            nodes.push(BinaryNode { half_area: 1.0, first: i, is_leaf: true });
+            nodes.push(BinaryNode { half_area: area(count - 1 - i), first: rest, is_leaf: last });
+        }
+        BinaryTree { nodes }
+    }
+
+    #[test]
+    fn chains_are_found_too_deep_and_balanced_trees_are_not() {
+        let count = 5000;
+        let boxes: Vec<Bounds3> = (0..count).map(|i| Bounds3::of_points([Point3::new(i as f32, 0.0, 0.0)])).collect();
+        let deep = collapse::collapse(&chain(count), 1);
+        assert!(deep.stack_need > STACK_SIZE, "{}", deep.stack_need);
+        let mut order = deep.order.clone();
+        order.sort_unstable();
+        assert!(order.iter().copied().eq(0..count), "a primitive is lost");
+        let shallow = collapse::collapse(&BinaryTree::balanced(&deep.order, &boxes), 1);
+        assert!(shallow.stack_need <= STACK_SIZE, "{}", shallow.stack_need);
+        assert_eq!(shallow.order.len(), count as usize);
+    }
+
+    #[test]
+    fn parents_hold_their_children_and_every_primitive_is_in_one_leaf() {
+        let boxes: Vec<Bounds3> = (0..3000u32)
+            .map(|i| Point3::new((i * 7919 % 101) as f32, (i * 104_729 % 97) as f32, (i * 31 % 89) as f32))
+            .map(|p| Bounds3::of_points([p, Point3(p.0 + 1.5)]))
+            .collect();
+        for leaf_size in [1, 3, 8] {
+            let (tree, order) = WideTree::build(&boxes, leaf_size);
+            let mut slots = vec![0; boxes.len()];
+            for (start, count) in tree.leaves() {
+                assert!(count <= leaf_size);
+                order[start..start + count].iter().for_each(|&i| slots[i as usize] += 1);
+            }
+            assert!(slots.iter().all(|&n| n == 1));
+            for (i, node) in tree.nodes.iter().enumerate() {
+                for child in node.children.iter().filter(|c| **c != ChildRef::NONE && !c.is_leaf()) {
+                    assert!(child.0 as usize > i, "a child lies before its parent");
+                    assert_eq!(node.bounds().union(tree.nodes[child.0 as usize].bounds()), node.bounds());
+                }
+            }
+        }
+    }
+}
