@@ -9,6 +9,8 @@ use std::f32::consts::PI;
 use glam::Vec2;
 use umber_math::{Rgb, Vector3};
 
+use super::energy;
+
 /// Widths below this reflect like a perfect mirror (a roughness of about 0.03).
 ///
 /// A lobe that narrow is a third of a degree across: single precision no longer resolves its density well.
@@ -20,6 +22,8 @@ pub(crate) struct Ggx {
     pub f0: Rgb,
     /// Zero for a perfect mirror, else at least [`DELTA_ALPHA`].
     pub alpha: f32,
+    /// Where the width lies among the rows of the energy table.
+    pub(super) energy_row: f32,
 }
 
 impl Ggx {
@@ -27,7 +31,7 @@ impl Ggx {
     pub fn new(f0: Rgb, roughness: f32) -> Option<Self> {
         let alpha = roughness * roughness;
         let alpha = if alpha < DELTA_ALPHA { 0.0 } else { alpha.min(1.0) };
-        (!f0.is_black()).then_some(Self { f0, alpha })
+        (!f0.is_black()).then(|| Self { f0, alpha, energy_row: energy::row_of(alpha) })
     }
     #[inline]
     pub fn is_delta(&self) -> bool {

@@ -68,9 +68,11 @@ impl Layered {
     pub fn albedo(&self, cos: f32) -> Rgb {
         let under_coat = self.under_coat(cos);
         let specular = self.specular.map_or(Rgb::BLACK, |s| s.albedo(cos));
-        let base = specular + self.diffuse * self.under_specular(cos);
         let coat = self.coat.map_or(Rgb::BLACK, |c| c.lobe.albedo(cos) * c.weight);
-        coat + base * under_coat * under_coat
+        // A specular lobe reflects light of about the viewer's angle, the base of any.
+        let under_coat_mean = self.coat.map_or(Rgb::WHITE, |c| Rgb::WHITE - c.lobe.average_albedo() * c.weight);
+        let base = specular * under_coat + self.diffuse * self.under_specular(cos) * under_coat_mean;
+        coat + base * under_coat
     }
     /// What of the light passes the coat in a direction.
     #[inline]

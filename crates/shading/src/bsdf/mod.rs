@@ -5,8 +5,6 @@
 mod energy;
 mod ggx;
 mod layered;
-#[cfg(test)]
-mod tests;
 
 use std::f32::consts::FRAC_1_PI;
 

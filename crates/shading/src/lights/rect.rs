@@ -43,6 +43,9 @@ impl RectLight {
         problems: &mut Vec<LightProblem>,
     ) -> Result<Self, LightProblem> {
         let m = p.render_from_light;
+        if !(width > 0.0 && height > 0.0) {
+            return Err(LightProblem::NoArea);
+        }
         let edges = [m.matrix3.x_axis * f64::from(width), m.matrix3.y_axis * f64::from(height)];
         let corner = m.translation - edges[0] * 0.5 - edges[1] * 0.5;
         if !corner.is_finite() || m.matrix3.x_axis.cross(m.matrix3.y_axis) == DVec3::ZERO {
@@ -51,7 +54,7 @@ impl RectLight {
         let cross = edges[0].cross(edges[1]);
         let area = cross.length();
         let is_normal = |v: f64| (v as f32).is_normal();
-        if !(width > 0.0 && height > 0.0 && is_normal(area) && edges.iter().all(|e| is_normal(e.length_squared()))) {
+        if !(is_normal(area) && edges.iter().all(|e| is_normal(e.length_squared()))) {
             return Err(LightProblem::NoArea);
         }
         // −Z may lie in the plane when z is squashed; then −(x × y), as without a transform.

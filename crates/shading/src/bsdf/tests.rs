@@ -1,1 +1,0 @@
-//! Furnace, reciprocity, densities.
