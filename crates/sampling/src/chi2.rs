@@ -17,8 +17,10 @@ pub struct Chi2Options {
     pub samples: usize,
     /// Bins along the first and second coordinate (cosine and azimuth for directions).
     pub bins: [usize; 2],
-    /// How often a bin is halved along each side, at most (and at least twice), to integrate the density to a
-    /// hundredth of a sample.
+    /// How often a bin is halved along each side, at least. Where the density has edges, more: a sliver may hide
+    /// between the sixteen points that are looked at.
+    pub min_depth: u32,
+    /// How often, at most, to integrate the density to a hundredth of a sample.
     pub max_depth: u32,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -26,7 +28,7 @@ pub struct Chi2Options {
 
 impl Default for Chi2Options {
     fn default() -> Self {
-        Self { samples: 100_000, bins: [20, 40], max_depth: 7, seed: 1 }
+        Self { samples: 100_000, bins: [20, 40], min_depth: 1, max_depth: 7, seed: 1 }
     }
 }
 
@@ -100,7 +102,7 @@ fn test(
     let tolerance = 0.01 / n;
     let cell = |i: usize| {
         let (x, y) = ((i / ny) as f64 / nx as f64, (i % ny) as f64 / ny as f64);
-        integrate(&density, [x, y], [1.0 / nx as f64, 1.0 / ny as f64], tolerance, o.max_depth)
+        integrate(&density, [x, y], [1.0 / nx as f64, 1.0 / ny as f64], tolerance, o)
     };
     let mut expected: Vec<f64> = (0..nx * ny).map(|i| cell(i) * n).collect();
     let integral = expected.iter().sum::<f64>() / n;
@@ -133,32 +135,23 @@ fn pearson(counts: &[f64], expected: &[f64]) -> (f64, usize) {
 }
 
 /// Integral over a box: 4 × 4 Gauss points, refined where the four quarters disagree with the whole.
-fn integrate(f: &impl Fn([f64; 2]) -> f64, at: [f64; 2], size: [f64; 2], tolerance: f64, depth: u32) -> f64 {
-    let start = depth.saturating_sub(1);
-    return refine(f, at, size, gauss(f, at, size), tolerance, depth, start);
+fn integrate(f: &impl Fn([f64; 2]) -> f64, at: [f64; 2], size: [f64; 2], tolerance: f64, o: Chi2Options) -> f64 {
+    refine(f, [at, size], gauss(f, at, size), tolerance, [o.min_depth, o.max_depth])
+}
 
-    fn refine(
-        f: &impl Fn([f64; 2]) -> f64,
-        at: [f64; 2],
-        size: [f64; 2],
-        whole: f64,
-        tolerance: f64,
-        depth: u32,
-        start: u32,
-    ) -> f64 {
-        let half = [size[0] * 0.5, size[1] * 0.5];
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        let quarters = corners.map(|c| {
-            let corner = [at[0] + c[0] * half[0], at[1] + c[1] * half[1]];
-            (corner, gauss(f, corner, half))
-        });
-        let sum: f64 = quarters.iter().map(|q| q.1).sum();
-        // Two halvings come first: a sliver of a light may hide between sixteen points.
-        if depth == 0 || (depth < start && (sum - whole).abs() <= tolerance) {
-            return sum;
-        }
-        quarters.iter().map(|&(corner, part)| refine(f, corner, half, part, tolerance * 0.5, depth - 1, start)).sum()
+/// `depth`: halvings that must and that may follow.
+fn refine(f: &impl Fn([f64; 2]) -> f64, [at, size]: [[f64; 2]; 2], whole: f64, tolerance: f64, depth: [u32; 2]) -> f64 {
+    let half = [size[0] * 0.5, size[1] * 0.5];
+    let quarters = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|c| {
+        let corner = [at[0] + c[0] * half[0], at[1] + c[1] * half[1]];
+        (corner, gauss(f, corner, half))
+    });
+    let sum: f64 = quarters.iter().map(|q| q.1).sum();
+    if depth[1] == 0 || (depth[0] == 0 && (sum - whole).abs() <= tolerance) {
+        return sum;
     }
+    let deeper = depth.map(|d| d.saturating_sub(1));
+    quarters.iter().map(|&(corner, part)| refine(f, [corner, half], part, tolerance * 0.5, deeper)).sum()
 }
 
 fn gauss(f: &impl Fn([f64; 2]) -> f64, at: [f64; 2], size: [f64; 2]) -> f64 {

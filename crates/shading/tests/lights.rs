@@ -197,7 +197,7 @@ fn sampled_densities_stand_the_chi_squared_test() {
             ),
         ),
     ];
-    let o = Chi2Options { samples: 60_000, bins: [24, 48], ..Chi2Options::default() };
+    let o = Chi2Options { samples: 40_000, bins: [16, 32], min_depth: 3, ..Chi2Options::default() };
     for (name, p) in &lights {
         let l = light(p);
         let sample = |u| {
