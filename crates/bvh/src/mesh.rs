@@ -12,7 +12,7 @@ const FLOATS: usize = 9;
 /// Triangles of one mesh, in the mesh's own (object) space.
 ///
 /// Holds the vertices of each triangle, so that a test needs no look-up; the original triangle
-/// indices are kept aside and read at hits only. About 52 bytes a triangle.
+/// indices are kept aside and read at hits only. About 50 bytes a triangle.
 #[derive(Clone)]
 pub struct MeshBvh {
     tree: WideTree,

@@ -46,7 +46,7 @@ fn some_ray(i: usize, mesh: &Mesh, scale: f32, offset: Vec3, random: &mut Random
         }
         _ => Ray::new(Point3(from), Vector3(random.direction())),
     };
-    if i % 7 == 0 {
+    if i.is_multiple_of(7) {
         ray.t_min = random.float();
         ray.t_max = ray.t_min + random.float();
     }
@@ -80,7 +80,8 @@ fn degenerate_duplicate_and_sliver_triangles() {
     let mut mesh = soup(200, 0.3, &mut random);
     // Each again, so that every hit is a tie, and again shifted in order of corners.
     mesh.triangles.extend(mesh.triangles.clone());
-    mesh.triangles.extend(mesh.triangles[..200].to_vec().into_iter().map(|[a, b, c]| [b, c, a]));
+    let turned: Vec<_> = mesh.triangles[..200].iter().map(|&[a, b, c]| [b, c, a]).collect();
+    mesh.triangles.extend(turned);
     // Points and lines as triangles, and needles.
     mesh.triangles.extend((0..200).map(|i| [3 * i, 3 * i, 3 * i]));
     mesh.triangles.extend((0..200).map(|i| [3 * i, 3 * i + 1, 3 * i]));

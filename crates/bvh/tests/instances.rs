@@ -17,8 +17,11 @@ fn some_transform(random: &mut Random, spread: f64) -> DAffine3 {
         * DAffine3::from_scale(scale)
 }
 
+/// A mesh's path, transform and number.
+type Placement = (Vec<u32>, DAffine3, u32);
+
 /// A scene of three levels, and where each of its meshes stands by path.
-fn nested(random: &mut Random) -> (InstanceBvh, Vec<(Vec<u32>, DAffine3, u32)>, [Mesh; 2]) {
+fn nested(random: &mut Random) -> (InstanceBvh, Vec<Placement>, [Mesh; 2]) {
     let meshes = [icosphere(2), soup(60, 0.5, random)];
     let built = meshes.each_ref().map(|m| Arc::new(MeshBvh::build(&m.points, &m.triangles)));
     let (mut flat, mut outer) = (Vec::new(), Vec::new());

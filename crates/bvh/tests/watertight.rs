@@ -17,7 +17,7 @@ fn leaks(
 ) -> usize {
     let escaped = |i: usize, random: &mut Random| {
         let [a, b, _] = mesh.vertices(random.below(mesh.triangles.len())).map(|p| p.0);
-        let target = if i % 4 == 0 { a } else { a + (b - a) * random.float() };
+        let target = if i.is_multiple_of(4) { a } else { a + (b - a) * random.float() };
         !hit(&ray_to(inside + random.cube() * spread, target))
     };
     (0..count).filter(|&i| escaped(i, random)).count()
