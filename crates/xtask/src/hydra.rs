@@ -59,13 +59,53 @@ pub fn link_against<'c>(command: &'c mut Command, usd: &UsdBuild) -> Result<&'c 
     Ok(command.env("UMBER_USD_LIBRARIES", usd.libraries.join(":")).current_dir(workspace::root()))
 }
 
+/// A command for the Python of `usd`, with its modules and the delegate in `plugins` to be found.
+///
+/// # Errors
+/// A package that the hosts need cannot be had, or the library for reading buffers does not build.
+pub fn host_command(usd: &UsdBuild, plugins: &Path) -> Result<Command> {
+    let mut command = usd.venv()?.command();
+    command
+        .env("PYTHONPATH", &usd.python_path)
+        .env("PXR_PLUGINPATH_NAME", plugins)
+        .env("UMBER_PLUGIN_PATH", plugins)
+        .env("UMBER_ENGINE_BUFFERS", engine_buffers(usd)?);
+    if let Some(sdk) = usd.sdk.as_ref().filter(|_| env::var_os(MATERIALX_LIBRARY).is_none()) {
+        command.env(MATERIALX_LIBRARY, sdk.materialx_library());
+    }
+    Ok(command)
+}
+
+/// Where OpenUSD looks for MaterialX's standard library; without it such materials come out empty.
+const MATERIALX_LIBRARY: &str = "PXR_MTLX_STDLIB_SEARCH_PATHS";
+
+/// The library through which the host drivers read buffers back, built where its source is newer.
+fn engine_buffers(usd: &UsdBuild) -> Result<PathBuf> {
+    let source = workspace::root().join("cpp_shim/testing/engine_buffers.cpp");
+    let tools = workspace::target().join("hydra/tools");
+    let library = tools.join(format!("engine_buffers.{}", env::consts::DLL_EXTENSION));
+    let mut compiler = Command::new(env::var_os("CXX").unwrap_or_else(|| "c++".into()));
+    compiler.args(["-std=c++17", "-O1", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]);
+    compiler.args(usd.include.iter().flat_map(|dir| ["-isystem".as_ref(), dir.as_os_str()]));
+    compiler.arg(&source).arg("-L").arg(&usd.library_dir);
+    compiler.args(usd.libraries.iter().map(|name| format!("-l{name}")));
+    compiler.arg(format!("-Wl,-rpath,{}", usd.library_dir.display()));
+    let content = fs::read_to_string(&source).with_context(|| source.display().to_string())?;
+    let state = format!("{compiler:?}\n{content}");
+    fs::create_dir_all(&tools).with_context(|| tools.display().to_string())?;
+    workspace::once(&tools.join("engine_buffers.done"), &state, || {
+        process::quiet(compiler.arg("-o").arg(&library)).map(drop)
+    })?;
+    Ok(library)
+}
+
 /// The shared library among what cargo says it built.
 fn built_library(messages: &str) -> Result<PathBuf> {
     let messages = messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
     let artifact = messages
+        .rev()
         .filter(|message| message["reason"] == "compiler-artifact")
-        .filter(|message| message["target"]["kind"].as_array().is_some_and(|kinds| kinds.contains(&"cdylib".into())))
-        .last()
+        .find(|message| message["target"]["kind"].as_array().is_some_and(|kinds| kinds.contains(&"cdylib".into())))
         .context("the package umber-hydra builds no cdylib")?;
     let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str);
     let library = files.map(PathBuf::from).find(|file| file.extension() == Some(env::consts::DLL_EXTENSION.as_ref()));

@@ -6,7 +6,7 @@ use std::{
     process::Command,
 };
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
 use crate::{process, workspace};
 
@@ -119,24 +119,6 @@ impl Venv {
     /// # Errors
     /// Those of `work`, and where the state cannot be noted.
     pub fn once(&self, name: &str, state: &str, work: impl FnOnce() -> Result<()>) -> Result<()> {
-        let note = self.dir.join(format!("umber-{name}.done"));
-        if fs::read_to_string(&note).is_ok_and(|done| done == state) {
-            return Ok(());
-        }
-        work()?;
-        fs::write(&note, state).with_context(|| note.display().to_string())
-    }
-
-    /// The folder where packages are installed.
-    ///
-    /// # Errors
-    /// The interpreter does not run.
-    pub fn site_packages(&self) -> Result<PathBuf> {
-        let ask = "import sysconfig; print(sysconfig.get_path('platlib'))";
-        let dir = PathBuf::from(process::quiet(self.command().args(["-c", ask]))?.trim());
-        if !dir.is_dir() {
-            bail!("{} is no folder", dir.display());
-        }
-        Ok(dir)
+        workspace::once(&self.dir.join(format!("umber-{name}.done")), state, work)
     }
 }

@@ -1,8 +1,9 @@
 //! Where things are.
 
 use std::{
-    env,
+    env, fs,
     path::{Path, PathBuf},
+    time::SystemTime,
 };
 
 use anyhow::{Context, Result};
@@ -28,4 +29,48 @@ pub fn cache() -> Result<PathBuf> {
         .or_else(|| set("HOME").map(|home| home.join(".cache")))
         .context("neither XDG_CACHE_HOME nor HOME is set: no place for a per-user cache")?;
     Ok(base.join("umber"))
+}
+
+/// Does `work` unless the file `note` says that it was done for the same `state`; notes it then.
+///
+/// # Errors
+/// Those of `work`, and where the note cannot be written.
+pub fn once(note: &Path, state: &str, work: impl FnOnce() -> Result<()>) -> Result<()> {
+    if fs::read_to_string(note).is_ok_and(|done| done == state) {
+        return Ok(());
+    }
+    work()?;
+    fs::write(note, state).with_context(|| note.display().to_string())
+}
+
+/// A text that changes when a source of the product does: every file of `crates` and the workspace's own
+/// manifests, with size and time of change.
+///
+/// # Errors
+/// A folder cannot be read.
+pub fn sources_state() -> Result<String> {
+    let root = root();
+    let mut lines = Vec::new();
+    for part in ["crates", "Cargo.toml", "Cargo.lock"] {
+        note_files(&root.join(part), &mut lines)?;
+    }
+    lines.sort();
+    Ok(lines.join("\n"))
+}
+
+fn note_files(path: &Path, lines: &mut Vec<String>) -> Result<()> {
+    let about = fs::metadata(path).with_context(|| path.display().to_string())?;
+    if about.is_dir() {
+        for entry in fs::read_dir(path).with_context(|| path.display().to_string())? {
+            let entry = entry?;
+            // Python leaves its caches among the sources, and xtask is no part of the product.
+            if !["__pycache__", "xtask"].contains(&entry.file_name().to_string_lossy().as_ref()) {
+                note_files(&entry.path(), lines)?;
+            }
+        }
+        return Ok(());
+    }
+    let changed = about.modified()?.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
+    lines.push(format!("{} {} {changed}", path.display(), about.len()));
+    Ok(())
 }

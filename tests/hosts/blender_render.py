@@ -1,0 +1,145 @@
+"""Renders a stage in Blender: imported as Blender imports USD, rendered by its Hydra engine with Umber behind it.
+
+What comes out is Blender's reading of the stage (its materials, its light units), so its picture is not compared
+with the others pixel by pixel.
+
+Runs in the Python that has Blender as the module `bpy`; UMBER_PLUGIN_PATH names the delegate's plugin folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import bpy
+
+DONE, COULD_NOT_RENDER, BAD_ARGUMENTS = 0, 1, 2
+
+
+class UmberEngine(bpy.types.HydraRenderEngine):
+    """Umber among Blender's render engines."""
+
+    bl_idname = "UMBER"
+    bl_label = "Umber"
+    bl_use_preview = True
+    bl_use_gpu_context = False
+    bl_delegate_id = "HdUmberRendererPlugin"
+
+    settings: dict[str, object] = {}  # noqa: RUF012 (Blender makes the instances)
+
+    def get_render_settings(self, engine_type: str) -> dict[str, object]:
+        """Settings for the delegate, and which AOV fills which of Blender's passes."""
+        return {**self.settings, "aovToken:Combined": "color", "aovToken:Depth": "depth"}
+
+    def update_render_passes(self, scene: bpy.types.Scene, render_layer: bpy.types.ViewLayer) -> None:
+        """Tells Blender which passes there are."""
+        self.register_pass(scene, render_layer, "Combined", 4, "RGBA", "COLOR")
+        self.register_pass(scene, render_layer, "Depth", 1, "Z", "VALUE")
+
+
+def main() -> int:
+    """Renders what the command line says; the exit code."""
+    arguments = argument_parser().parse_args()
+    try:
+        UmberEngine.settings = dict(parse_setting(text) for text in arguments.set)
+    except ValueError as error:
+        print(f"blender_render: {error}", file=sys.stderr)
+        return BAD_ARGUMENTS
+    try:
+        register(os.environ["UMBER_PLUGIN_PATH"])
+        import_stage(arguments.stage)
+        set_up(arguments)
+        bpy.ops.render.render(write_still=True)
+    except (RuntimeError, LookupError) as error:
+        print(f"blender_render: {error}", file=sys.stderr)
+        return COULD_NOT_RENDER
+    if not Path(arguments.output).exists():
+        print(f"blender_render: {arguments.output} was not written", file=sys.stderr)
+        return COULD_NOT_RENDER
+    return DONE
+
+
+def argument_parser() -> argparse.ArgumentParser:
+    """The flags: those of usdrecord that mean something to Blender."""
+    parser = argparse.ArgumentParser(prog="blender_render", description="Renders a USD stage in Blender with Umber.")
+    add = parser.add_argument
+    add("stage")
+    add("output")
+    add("--imageWidth", "-w", type=int, default=960)
+    add("--imageHeight", type=int, help="from the camera's aspect ratio where not given")
+    add("--camera", "-cam", help="name of the camera, or its prim path; the first one where not given")
+    add("--frame", type=int, help="the frame to render")
+    add("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the renderer")
+    return parser
+
+
+def parse_setting(text: str) -> tuple[str, object]:
+    """A setting; its value as the first of bool, int, float and text that it can be."""
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"--set {text}: KEY=VALUE is wanted")
+    if value.lower() in ("true", "false"):
+        return key, value.lower() == "true"
+    for kind in (int, float):
+        try:
+            return key, kind(value)
+        except ValueError:
+            continue
+    return key, value
+
+
+def register(plugins: str) -> None:
+    """Makes Umber known to Blender and to its OpenUSD."""
+    bpy.utils.expose_bundled_modules()
+    from pxr import Plug  # noqa: PLC0415 (only there once exposed)
+
+    Plug.Registry().RegisterPlugins([plugins])
+    bpy.utils.register_class(UmberEngine)
+
+
+def import_stage(path: str) -> None:
+    """An empty scene with the stage in it."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    result = bpy.ops.wm.usd_import(filepath=str(Path(path).resolve()))
+    if "FINISHED" not in result:
+        raise RuntimeError(f"Blender cannot import {path}")
+
+
+def set_up(arguments: argparse.Namespace) -> None:
+    """Engine, camera, size, and the file: linear, single precision where it is an EXR."""
+    scene = bpy.context.scene
+    scene.render.engine = UmberEngine.bl_idname
+    scene.camera = find_camera(scene, arguments.camera)
+    if arguments.frame is not None:
+        scene.frame_set(arguments.frame)
+    render = scene.render
+    lens = scene.camera.data
+    aspect = lens.sensor_width / lens.sensor_height if lens.sensor_height > 0 else 1.0
+    render.resolution_x = max(arguments.imageWidth, 1)
+    render.resolution_y = arguments.imageHeight or max(round(render.resolution_x / aspect), 1)
+    render.resolution_percentage = 100
+    render.filepath = str(Path(arguments.output).resolve())
+    render.use_file_extension = False
+    scene.view_settings.view_transform = "Raw"
+    image = render.image_settings
+    if Path(arguments.output).suffix.lower() == ".exr":
+        image.file_format, image.color_depth = "OPEN_EXR", "32"
+    else:
+        image.file_format = "PNG"
+    image.color_mode = "RGBA"
+
+
+def find_camera(scene: bpy.types.Scene, named: str | None) -> bpy.types.Object:
+    """The camera of that name, or the first."""
+    cameras = [item for item in scene.objects if item.type == "CAMERA"]
+    wanted = named.rstrip("/").rsplit("/", 1)[-1] if named else None
+    for camera in cameras:
+        if wanted in (None, camera.name, camera.data.name):
+            return camera
+    raise LookupError(f"the stage has no camera {named or ''}".rstrip())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
