@@ -268,3 +268,33 @@ fn broken_lights_are_reported() {
         assert!(s.radiance.is_finite() && l.power_estimate(1.0).is_finite());
     }
 }
+
+#[test]
+fn samples_are_finite_from_anywhere() {
+    let lights = [
+        light(&rect(2.0, 1.0)),
+        light(&rect(1e-6, 1e6)),
+        light(&sphere(1.0)),
+        light(&sphere(1e-9)),
+        light(&params(LightKind::Sphere { radius: 1.0, treat_as_point: true })),
+        light(&distant(0.5)),
+        light(&params(LightKind::Dome { texture: Some(spotted_map()) })),
+    ];
+    let odd = [0.0, -0.0, 1.0, -1.0, 0.5, -1e-7, 1e-30, -1e-20, 1e7, -1e20, 1e38, f32::NAN, f32::INFINITY];
+    for (i, l) in lights.iter().enumerate() {
+        for k in 0..odd.len().pow(3) {
+            let p = Point3::from([k, k / odd.len(), k / odd.len().pow(2)].map(|k| odd[k % odd.len()]));
+            for u in [Vec2::ZERO, Vec2::splat(0.5), Vec2::new(0.999_999_94, 0.999_999_94), Vec2::new(0.3, 0.0)] {
+                let Some(s) = l.sample(p, u) else { continue };
+                let weight = s.radiance / s.pdf_solid_angle;
+                assert!(s.wi.is_finite() && (s.wi.length() - 1.0).abs() < 1e-4, "light {i} from {p:?}: {s:?}");
+                assert!(
+                    weight.is_finite() && s.pdf_solid_angle > 0.0 && !s.distance.is_nan(),
+                    "light {i} from {p:?}: {s:?}"
+                );
+                assert!(l.pdf_solid_angle(p, s.wi).is_finite(), "light {i} from {p:?}: {s:?}");
+                assert!(l.intersect(&Ray::new(p, s.wi)).is_none_or(|h| h.t.is_finite() && h.t >= 0.0));
+            }
+        }
+    }
+}

@@ -45,6 +45,15 @@ struct Choice {
     coat: f32,
 }
 
+/// What one viewing direction decides.
+struct View {
+    choice: Choice,
+    /// What of the light passes the coat towards the viewer.
+    under_coat: Rgb,
+    /// What of the light passes the specular lobe towards the viewer.
+    under_specular: Rgb,
+}
+
 impl Layered {
     pub fn new(diffuse: Rgb, specular: Option<Ggx>, coat: Option<Coat>) -> Self {
         let diffuse_scale = match specular {
@@ -85,30 +94,42 @@ impl Layered {
         self.specular.map_or(Rgb::WHITE, |s| Rgb::WHITE - s.albedo(cos))
     }
     #[inline]
-    fn choice(&self, wo: Vector3) -> Choice {
-        let cos = wo.z();
-        let coat = self.coat.map_or(0.0, |c| c.lobe.albedo(cos).max_channel() * c.weight);
-        let under_coat = 1.0 - coat;
-        let specular = self.specular.map_or(0.0, |s| s.albedo(cos).max_channel() * under_coat);
+    fn view(&self, wo: Vector3) -> View {
+        let alone = |diffuse, specular, coat| View {
+            choice: Choice { diffuse, specular, coat },
+            under_coat: Rgb::WHITE,
+            under_specular: Rgb::WHITE,
+        };
+        match (self.diffuse.is_black(), self.specular, self.coat) {
+            (true, Some(_), None) => return alone(0.0, 1.0, 0.0),
+            (true, None, Some(_)) => return alone(0.0, 0.0, 1.0),
+            (false, None, None) => return alone(1.0, 0.0, 0.0),
+            _ => {}
+        }
+        let (under_coat, under_specular) = (self.under_coat(wo.z()), self.under_specular(wo.z()));
+        let coat = (Rgb::WHITE - under_coat).max_channel();
+        let specular = (Rgb::WHITE - under_specular).max_channel() * (1.0 - coat);
         let diffuse = if self.diffuse.is_black() {
             0.0
         } else {
             // Never zero: a lobe that is there must be reached.
-            (self.diffuse * self.under_specular(cos)).max_channel().max(1e-3) * under_coat.max(1e-3)
+            (self.diffuse * under_specular).max_channel().max(1e-3) * (1.0 - coat).max(1e-3)
         };
         let sum = diffuse + specular + coat;
         let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        Choice { diffuse: diffuse * scale, specular: specular * scale, coat: coat * scale }
+        let choice = Choice { diffuse: diffuse * scale, specular: specular * scale, coat: coat * scale };
+        View { choice, under_coat, under_specular }
     }
     /// Values and density of the lobes that are not delta.
     pub fn eval(&self, wo: Vector3, wi: Vector3) -> BsdfEval {
-        self.eval_with(wo, wi, self.choice(wo))
+        self.eval_with(wo, wi, &self.view(wo))
     }
-    fn eval_with(&self, wo: Vector3, wi: Vector3, choice: Choice) -> BsdfEval {
-        let mut out = BsdfEval::default();
-        let under_coat = self.under_coat(wo.z()) * self.under_coat(wi.z());
+    fn eval_with(&self, wo: Vector3, wi: Vector3, view: &View) -> BsdfEval {
+        let (mut out, choice) = (BsdfEval::default(), view.choice);
+        let has_base = choice.diffuse + choice.specular > 0.0;
+        let under_coat = if has_base { view.under_coat * self.under_coat(wi.z()) } else { Rgb::BLACK };
         if !self.diffuse.is_black() {
-            let left = self.under_specular(wo.z()) * self.under_specular(wi.z()) * self.diffuse_scale;
+            let left = view.under_specular * self.under_specular(wi.z()) * self.diffuse_scale;
             out.diffuse = self.diffuse * left * under_coat * std::f32::consts::FRAC_1_PI;
             out.pdf_solid_angle += choice.diffuse * warp::cosine_hemisphere_pdf_solid_angle(wi.z());
         }
@@ -126,14 +147,15 @@ impl Layered {
     }
     /// A direction of one of the lobes; for a delta lobe value over cosine, and its probability as density.
     pub fn sample(&self, wo: Vector3, u_lobe: f32, u: Vec2) -> Option<LocalSample> {
-        let choice = self.choice(wo);
+        let view = self.view(wo);
+        let choice = view.choice;
         let (wi, lobe) = if u_lobe < choice.diffuse {
             (warp::cosine_hemisphere(u), LobeKind::Diffuse)
         } else {
             let coat = self.coat.filter(|_| u_lobe >= choice.diffuse + choice.specular && choice.coat > 0.0);
             let (lobe, weight, pmf) = match (coat, self.specular) {
                 (Some(c), _) => (c.lobe, Rgb::splat(c.weight), choice.coat),
-                (None, Some(s)) => (s, self.under_coat(wo.z()) * self.under_coat(wo.z()), choice.specular),
+                (None, Some(s)) => (s, view.under_coat * view.under_coat, choice.specular),
                 (None, None) => return None,
             };
             if lobe.is_delta() {
@@ -144,7 +166,7 @@ impl Layered {
             }
             (lobe.sample(wo, u)?, LobeKind::Glossy)
         };
-        let eval = self.eval_with(wo, wi, choice);
+        let eval = self.eval_with(wo, wi, &view);
         (wi.z() > 0.0 && eval.pdf_solid_angle > 0.0).then_some(LocalSample { eval, wi, lobe })
     }
 }

@@ -9,9 +9,9 @@ use super::params::{Emission, LightParams, LightProblem};
 use super::spherical_rect::SphericalRect;
 use super::{LightHit, LightSample};
 
-/// Solid angles outside this range (steradians) are sampled by area: below, the two hardly differ and the
-/// solid angle loses its digits; above, the point lies all but in the rectangle.
-const SOLID_ANGLES: std::ops::Range<f64> = 1e-4..6.22;
+/// Solid angles below this (steradians) are sampled by area: there the two hardly differ, and the solid angle
+/// loses its digits.
+const LEAST_SOLID_ANGLE: f64 = 1e-4;
 
 /// A rectangle that emits along −Z of light space; black seen from behind.
 ///
@@ -69,7 +69,7 @@ impl RectLight {
     fn view(&self, p: DVec3) -> View {
         let whole = self.rectangle.and_then(|(axes, lengths)| SphericalRect::new(self.corner - p, axes, lengths));
         match whole {
-            Some(r) if SOLID_ANGLES.contains(&r.solid_angle) => View::SolidAngle(r),
+            Some(r) if r.solid_angle >= LEAST_SOLID_ANGLE => View::SolidAngle(r),
             _ => View::Area,
         }
     }
@@ -100,7 +100,8 @@ impl RectLight {
             distance: distance as f32,
             is_delta: false,
         };
-        (distance > 0.0 && pdf_solid_angle.is_finite() && pdf_solid_angle > 0.0).then_some(sample)
+        let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
+        (distance > 0.0 && is_usable).then_some(sample)
     }
     /// Density by solid angle of a point that is uniform by area.
     #[inline]
