@@ -40,39 +40,39 @@ class EngineRecorder:
         self.parameters.clearColor = Gf.Vec4f(0)
         self.parameters.colorCorrectionMode = "disabled"
 
-    def SetActiveRenderPassPrimPath(self, path: str) -> None:  # noqa: N802
+    def SetActiveRenderPassPrimPath(self, path: str) -> None:
         """Renders the pass at `path`."""
         self.engine.SetActiveRenderPassPrimPath(Sdf.Path(path))
 
-    def SetActiveRenderSettingsPrimPath(self, path: str) -> None:  # noqa: N802
+    def SetActiveRenderSettingsPrimPath(self, path: str) -> None:
         """Renders with the settings at `path`."""
         self.engine.SetActiveRenderSettingsPrimPath(Sdf.Path(path))
 
-    def SetImageWidth(self, width: int) -> None:  # noqa: N802
+    def SetImageWidth(self, width: int) -> None:
         """Width of the picture."""
         self.image_width = width
 
-    def SetComplexity(self, complexity: float) -> None:  # noqa: N802
+    def SetComplexity(self, complexity: float) -> None:
         """Refinement, as UsdImagingGL counts it."""
         self.parameters.complexity = complexity
 
-    def SetCameraLightEnabled(self, enabled: bool) -> None:  # noqa: N802, FBT001
+    def SetCameraLightEnabled(self, enabled: bool) -> None:
         """Whether a light goes with the camera where the stage has none."""
         self.camera_light = enabled
 
-    def SetIncludedPurposes(self, purposes: list[str]) -> None:  # noqa: N802
+    def SetIncludedPurposes(self, purposes: list[str]) -> None:
         """Purposes to draw beside the default one."""
         self.purposes = {"default", *purposes}
 
-    def SetDomeLightVisibility(self, visible: bool) -> None:  # noqa: N802, FBT001
+    def SetDomeLightVisibility(self, visible: bool) -> None:
         """Whether the camera sees dome lights."""
         self.dome_visible = visible
 
-    def SetPrimaryCameraPrimPath(self, path: Sdf.Path) -> None:  # noqa: N802
+    def SetPrimaryCameraPrimPath(self, path: Sdf.Path) -> None:
         """The camera to render from."""
         self.engine.SetCameraPath(path)
 
-    def Record(self, stage: Usd.Stage, camera: UsdGeom.Camera, time: float, output: str) -> None:  # noqa: N802
+    def Record(self, stage: Usd.Stage, camera: UsdGeom.Camera, time: float, output: str) -> None:
         """Renders `time` and writes the picture and its AOVs."""
         write_image(output, self.render(stage, camera, time))
 

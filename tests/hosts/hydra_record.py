@@ -28,7 +28,7 @@ def main() -> int:
     UsdAppUtils.framesArgs.ValidateCmdlineArgs(parser, arguments, stage, frameFormatArgName="outputImagePath")
     plugin = UsdAppUtils.rendererArgs.GetPluginIdFromArgument(arguments.rendererPlugin)
     if not plugin:
-        return refuse(f"the renderer {arguments.rendererPlugin} is not found: does PXR_PLUGINPATH_NAME name its folder?")
+        return refuse(f"no renderer {arguments.rendererPlugin} here: does PXR_PLUGINPATH_NAME name its folder?")
     try:
         settings = parse_settings(arguments.set, plugin)
     except ValueError as error:

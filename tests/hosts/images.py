@@ -24,8 +24,8 @@ def write_image(path: str, aovs: dict[str, np.ndarray]) -> None:
 def write_exr(path: str, aovs: dict[str, np.ndarray]) -> None:
     """Writes an EXR: colour as R, G, B, A; another AOV as `name`, or `name.X` and so on."""
     channels = {}
-    for name, pixels in aovs.items():
-        pixels = exr_type(pixels)
+    for name, given in aovs.items():
+        pixels = exr_type(given)
         if pixels.ndim == 2:
             channels[name] = pixels
             continue
