@@ -1,0 +1,137 @@
+"""What a scene consists of, as plain data: what the stage reader gives and a session takes.
+
+Transforms are float64 of shape (4, 4) in USD's layout: row vectors, translation in the last row.
+Points, normals and primvars are in object space. Fallbacks are those of the USD schemas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float32]
+Ints = npt.NDArray[np.int32]
+Doubles = npt.NDArray[np.float64]
+Color = tuple[float, float, float]
+Interpolation = Literal["constant", "uniform", "varying", "vertex", "faceVarying"]
+
+NO_INTS: Ints = np.empty(0, np.int32)
+IDENTITY: Doubles = np.eye(4)
+
+
+@dataclass(slots=True)
+class Primvar:
+    """Values, shape (n,) or (n, 2 to 4), already expanded from indices, and how they spread."""
+
+    values: Floats
+    interpolation: Interpolation
+
+
+@dataclass(slots=True)
+class Subset:
+    """Faces, shape (n,), with a material of their own; None takes the mesh's."""
+
+    material: str | None
+    faces: Ints
+
+
+@dataclass(slots=True)
+class Mesh:
+    """A mesh. Its transform leads to the innermost instancer's space, or to the world."""
+
+    path: str
+    points: Floats
+    face_vertex_counts: Ints
+    face_vertex_indices: Ints
+    hole_indices: Ints = field(default_factory=lambda: NO_INTS)
+    subdivision_scheme: Literal["none", "catmullClark", "loop", "bilinear"] = "none"
+    orientation: Literal["rightHanded", "leftHanded"] = "rightHanded"
+    normals: Primvar | None = None
+    primvars: dict[str, Primvar] = field(default_factory=dict)
+    subsets: list[Subset] = field(default_factory=list)
+    transform: Doubles = field(default_factory=lambda: IDENTITY)
+    purpose: Literal["default", "render", "proxy", "guide"] = "default"
+    double_sided: bool = False
+    material: str | None = None
+    instancer: str | None = None
+    instance_indices: Ints = field(default_factory=lambda: NO_INTS)
+    prim_id: int = -1
+
+
+@dataclass(slots=True)
+class Instancer:
+    """Where instances stand: transforms, shape (n, 4, 4), lead to the parent's space or the world."""
+
+    path: str
+    transforms: Doubles
+    parent: str | None = None
+    parent_indices: Ints = field(default_factory=lambda: NO_INTS)
+
+
+@dataclass(slots=True)
+class Camera:
+    """A camera that looks along -Z with +Y up. Apertures, offsets and focal length share a unit."""
+
+    path: str
+    transform: Doubles
+    aperture: tuple[float, float]
+    focal_length: float
+    aperture_offset: tuple[float, float] = (0.0, 0.0)
+    orthographic: bool = False
+    clipping_range: tuple[float, float] = (1.0, 1_000_000.0)
+    conform_policy: Literal["matchVertically", "matchHorizontally", "fit", "crop", "dontConform"] = "matchVertically"
+
+
+@dataclass(slots=True)
+class Light:
+    """A light of UsdLux; what its kind does not have is ignored."""
+
+    path: str
+    kind: Literal["distant", "dome", "rect", "sphere"]
+    transform: Doubles = field(default_factory=lambda: IDENTITY)
+    angle_deg: float = 0.53
+    width: float = 1.0
+    height: float = 1.0
+    radius: float = 0.5
+    treat_as_point: bool = False
+    texture_file: str | None = None
+    color: Color = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    exposure: float = 0.0
+    normalize: bool = False
+    color_temperature: float | None = None
+    diffuse: float = 1.0
+    specular: float = 1.0
+    shadow_enable: bool = True
+
+
+@dataclass(slots=True)
+class PreviewSurface:
+    """UsdPreviewSurface with constant inputs."""
+
+    diffuse_color: Color = (0.18, 0.18, 0.18)
+    emissive_color: Color = (0.0, 0.0, 0.0)
+    use_specular_workflow: bool = False
+    specular_color: Color = (0.0, 0.0, 0.0)
+    metallic: float = 0.0
+    roughness: float = 0.5
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.01
+    opacity: float = 1.0
+    opacity_mode: Literal["transparent", "presence"] = "transparent"
+    opacity_threshold: float = 0.0
+    ior: float = 1.5
+
+
+@dataclass(slots=True)
+class Material:
+    """A material; without a surface that Umber understands, meshes show their displayColor."""
+
+    path: str
+    surface: PreviewSurface | None = None
+
+
+Prim = Mesh | Instancer | Light | Material

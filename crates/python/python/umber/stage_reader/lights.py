@@ -1,0 +1,87 @@
+"""UsdLux lights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+
+from umber.description import Color, Light
+from umber.stage_reader.placement import Space
+from umber.stage_reader.reading import Reading, matrix, single
+
+KINDS = {
+    "DistantLight": "distant",
+    "DomeLight": "dome",
+    "DomeLight_1": "dome",
+    "RectLight": "rect",
+    "SphereLight": "sphere",
+}
+
+
+def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light]:
+    """A light, once for each place where instancing puts it."""
+    kind = KINDS.get(prim.GetTypeName())
+    if kind is None:
+        what = prim.GetTypeName() or "typeless prim"
+        reading.warn(prim, f"lights of this type are not supported yet; left out ({what})")
+        return
+    own = _to_space(reading, prim, space)
+    for outer in space.placements():
+        light = Light(reading.unique_path(prim.GetPath()), kind, matrix(own * outer))
+        _read_shape(reading, prim, light)
+        _read_emission(reading, prim, light)
+        yield light
+
+
+def _to_space(reading: Reading, prim: Usd.Prim, space: Space) -> Gf.Matrix4d:
+    own = space.from_object(reading, prim)
+    if prim.GetTypeName() != "DomeLight_1":
+        return own
+    pole = UsdLux.DomeLight_1(prim).GetPoleAxisAttr().Get()
+    up_axis = UsdGeom.GetStageUpAxis(reading.stage)
+    z_up = pole == UsdLux.Tokens.Z or (pole == UsdLux.Tokens.scene and up_axis == UsdGeom.Tokens.z)
+    turn = Gf.Matrix4d(1).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90)) if z_up else Gf.Matrix4d(1)
+    return turn * own
+
+
+def _input(reading: Reading, prim: Usd.Prim, name: str, fallback: Any) -> Any:  # noqa: ANN401
+    value = reading.value(prim, f"inputs:{name}")
+    return fallback if value is None else value
+
+
+def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
+    def number(name: str, fallback: float) -> float:
+        return single(_input(reading, prim, name, fallback))
+
+    if light.kind == "distant":
+        light.angle_deg = number("angle", light.angle_deg)
+    elif light.kind == "rect":
+        light.width, light.height = number("width", light.width), number("height", light.height)
+        if _texture_file(_input(reading, prim, "texture:file", None)):
+            reading.warn(prim, "textures on rect lights are not supported yet; it shines with its colour alone")
+    elif light.kind == "sphere":
+        light.radius = number("radius", light.radius)
+        light.treat_as_point = bool(reading.value(prim, "treatAsPoint"))
+    else:
+        light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
+        mapping = _input(reading, prim, "texture:format", "automatic")
+        if light.texture_file and mapping not in ("automatic", "latlong"):
+            reading.warn(prim, f"texture format '{mapping}' is not supported; taken as latlong")
+
+
+def _texture_file(asset: Sdf.AssetPath | None) -> str | None:
+    """The file as the resolver found it; as it was written where it found none."""
+    return (asset.resolvedPath or asset.path or None) if asset else None
+
+
+def _read_emission(reading: Reading, prim: Usd.Prim, light: Light) -> None:
+    for name in ("intensity", "exposure", "diffuse", "specular"):
+        setattr(light, name, single(_input(reading, prim, name, getattr(light, name))))
+    color: Color = tuple(_input(reading, prim, "color", light.color))
+    light.color = color
+    light.normalize = bool(_input(reading, prim, "normalize", False))
+    light.shadow_enable = bool(_input(reading, prim, "shadow:enable", True))
+    if _input(reading, prim, "enableColorTemperature", False):
+        light.color_temperature = single(_input(reading, prim, "colorTemperature", 6500.0))

@@ -1,0 +1,55 @@
+"""Reads a whole stage: walks it once, then describes what the walk found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from pxr import Sdf, Usd, UsdShade
+
+from umber.description import Prim
+from umber.stage_reader.lights import read_light
+from umber.stage_reader.materials import read_material
+from umber.stage_reader.mesh import read_mesh, subset_prims
+from umber.stage_reader.reading import Reading
+from umber.stage_reader.skinning import Skins
+from umber.stage_reader.walk import Found, walk
+
+
+def read_stage(
+    stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str], say: Callable[[str], None]
+) -> Iterator[Prim]:
+    """Describes all that is shown at `time`: instancers, lights, materials, meshes.
+
+    `purposes`: those that are shown beside the default purpose. `say` takes warnings; each names its
+    prim. Meshes come one by one, so that a large stage is never held twice.
+    """
+    reading = Reading(stage, time, purposes, say)
+    found = walk(reading)
+    yield from found.instancers
+    for prim, space in found.lights:
+        yield from read_light(reading, prim, space)
+    materials = _bound_materials(reading, found)
+    for path in sorted({path for path in materials.values() if path is not None}):
+        yield read_material(reading, UsdShade.Material(stage.GetPrimAtPath(path)))
+    skins = Skins(reading, found.skel_roots)
+    prim_id = 0
+    for prim, space, purpose in found.meshes:
+        mesh = read_mesh(reading, prim, space, purpose, materials)
+        if mesh is not None:
+            skins.pose(prim, mesh)
+            mesh.prim_id = prim_id
+            prim_id += 1
+            yield mesh
+
+
+def _bound_materials(reading: Reading, found: Found) -> dict[Sdf.Path, str | None]:
+    """Path of the material bound to each mesh and subset, for full renders."""
+    prims = [prim for prim, _, _ in found.meshes]
+    prims += [subset for prim in prims for subset in subset_prims(prim)]
+    if not prims:
+        return {}
+    bound, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, UsdShade.Tokens.full)
+    paths = {}
+    for prim, material in zip(prims, bound, strict=True):
+        paths[prim.GetPath()] = material.GetPath().pathString if material else None
+    return paths
