@@ -25,16 +25,20 @@ fn inside_an_emitting_box() {
     assert!(pixels.iter().all(|p| p[3] == 1.0));
 }
 
-/// A Lambertian under a uniform dome of radiance 1 reflects its albedo (nothing else is near it).
+/// A Lambertian under a uniform dome of radiance 1 reflects its albedo (nothing else is near it):
+/// also where the face goes through the origin, so that its points have no rounding error.
 #[test]
 fn a_face_under_a_dome() {
-    let session = session(1.9, 256, &[Aov::Color]);
-    session.edit(mesh("/box", cube())).unwrap();
-    bind(&session, "/box", "/m", lambert(0.6, 0.0));
-    session.edit(SceneEdit::Light(LightId::new("/dome"), Light::new(LightKind::Dome { texture: None }))).unwrap();
-    finish(&session);
-    let pixels = color(&session);
-    assert!((mean(&pixels) - 0.6).abs() < 2e-3, "{}", mean(&pixels));
+    for height in [1.0, 0.0, 100.0] {
+        let session = session(0.9 + f64::from(height), 256, &[Aov::Color]);
+        let points = cube().points.unwrap().iter().map(|p| *p + umber_math::Vec3::Z * (height - 1.0)).collect();
+        session.edit(mesh("/box", MeshPatch { points: Some(points), ..cube() })).unwrap();
+        bind(&session, "/box", "/m", lambert(0.6, 0.0));
+        session.edit(SceneEdit::Light(LightId::new("/dome"), Light::new(LightKind::Dome { texture: None }))).unwrap();
+        finish(&session);
+        let pixels = color(&session);
+        assert!((mean(&pixels) - 0.6).abs() < 2e-3, "{} at {height}", mean(&pixels));
+    }
 }
 
 /// A distant light of 0.53 degrees and radiance 15000 straight on: E = L π sin²(angle / 2).
