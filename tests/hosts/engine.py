@@ -30,7 +30,7 @@ class EngineRecorder:
         self.engine.SetRendererSetting("enableInteractive", False)
         self.buffers = EngineBuffers(self.engine)
         self.settings: dict[str, object] = {}
-        self.aovs: list[str] = []
+        self.aovs = ["color"]
         self.image_width = 960
         self.image_height: int | None = None
         self.camera_light = True
@@ -78,8 +78,7 @@ class EngineRecorder:
 
     def render(self, stage: Usd.Stage, camera: UsdGeom.Camera, time: float) -> dict[str, np.ndarray]:
         """Renders `time`; the pictures by AOV, top row first."""
-        names = ["color", *self.aovs]
-        self.buffers.ask_for(names)
+        self.buffers.ask_for(self.aovs)
         lens = camera.GetCamera(time) if camera else camera_to_frame(stage, time, sorted(self.purposes))
         self.point(camera, lens)
         for key, value in {"domeLightCameraVisibility": self.dome_visible, **self.settings}.items():
@@ -95,7 +94,7 @@ class EngineRecorder:
                 break
             clock.sleep(wait_ms / 1000)
             wait_ms = min(100, wait_ms + 5)
-        return {name: self.buffers.read(name) for name in names}
+        return {name: self.buffers.read(name) for name in self.aovs}
 
     def point(self, camera: UsdGeom.Camera, lens: Gf.Camera) -> None:
         """Points the engine's camera and sizes its buffers."""

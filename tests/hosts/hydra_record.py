@@ -30,6 +30,7 @@ def main() -> int:
     if not plugin:
         return refuse(f"no renderer {arguments.rendererPlugin} here: does PXR_PLUGINPATH_NAME name its folder?")
     try:
+        aovs = parse_aovs(arguments)
         settings = parse_settings(arguments.set, plugin)
     except ValueError as error:
         parser.error(str(error))
@@ -38,7 +39,7 @@ def main() -> int:
     if arguments.camera and not camera:
         return refuse(f"there is no camera {arguments.camera}")
     try:
-        recorder = make_recorder(arguments, plugin, settings)
+        recorder = make_recorder(arguments, plugin, settings, aovs)
         configure(recorder, arguments, render_settings, camera)
         for time in arguments.frames:
             output = arguments.outputImagePath.format(frame=time.GetValue() if isinstance(time, Usd.TimeCode) else time)
@@ -80,7 +81,7 @@ def argument_parser() -> argparse.ArgumentParser:
     add("--renderSettingsPrimPath", "-rs", dest="rsPrimPath")
     add("--imageHeight", type=int, help="height of the picture; from the camera's aspect ratio where not given")
     add("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the renderer")
-    add("--aovs", default="", metavar="AOV[,AOV...]", help="pictures to write beside colour")
+    add("--aovs", metavar="AOV[,AOV...]", help="AOVs to write as layers of one EXR; colour where not given")
     add("--stats", action="store_true", help="print the renderer's statistics")
     return parser
 
@@ -123,6 +124,14 @@ def find_camera(stage: Usd.Stage, named: Sdf.Path | None, render_settings: str) 
     return UsdAppUtils.GetCameraAtPath(stage, UsdUtils.GetPrimaryCameraName())
 
 
+def parse_aovs(arguments: argparse.Namespace) -> list[str]:
+    """Names of the AOVs that are asked for, as Hydra has them."""
+    names = (arguments.aovs or "color").replace(",", " ").split()
+    if names != ["color"] and not arguments.outputImagePath.lower().endswith(".exr"):
+        raise ValueError("--aovs: several AOVs, or others than color, can only be written to an .exr file")
+    return ["primvars:st" if name == "st" else name for name in names]
+
+
 def parse_settings(texts: list[str], plugin: str) -> dict[str, object]:
     """Settings by key, each as the type that the renderer's own list gives it."""
     if not texts:
@@ -150,11 +159,10 @@ def parse_flag(text: str) -> bool:
 
 
 def make_recorder(
-    arguments: argparse.Namespace, plugin: str, settings: dict[str, object]
+    arguments: argparse.Namespace, plugin: str, settings: dict[str, object], aovs: list[str]
 ) -> UsdAppUtils.FrameRecorder | EngineRecorder:
     """OpenUSD's recorder where it can do what is asked for, else ours."""
-    aovs = [name for name in arguments.aovs.replace(",", " ").split() if name != "color"]
-    if not (settings or aovs or arguments.imageHeight or arguments.stats):
+    if not (settings or arguments.aovs or arguments.imageHeight or arguments.stats):
         return UsdAppUtils.FrameRecorder(plugin, False, arguments.drawModeEnabled)
     recorder = EngineRecorder(plugin, draw_modes=arguments.drawModeEnabled)
     recorder.settings, recorder.aovs, recorder.image_height = settings, aovs, arguments.imageHeight

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-COLOUR = ("R", "G", "B", "A")
-VECTOR = ("X", "Y", "Z", "W")
+AXES = {1: "Z", 2: "XY", 3: "XYZ", 4: "RGBA"}
 
 
 def write_image(path: str, aovs: dict[str, np.ndarray]) -> None:
@@ -22,16 +21,14 @@ def write_image(path: str, aovs: dict[str, np.ndarray]) -> None:
 
 
 def write_exr(path: str, aovs: dict[str, np.ndarray]) -> None:
-    """Writes an EXR: colour as R, G, B, A; another AOV as `name`, or `name.X` and so on."""
+    """Writes an EXR with the channels that `umber record` gives it: R, G, B, A; `depth.Z`; `normal.X`; `primId.id`."""
     channels = {}
     for name, given in aovs.items():
-        pixels = exr_type(given)
-        if pixels.ndim == 2:
-            channels[name] = pixels
-            continue
-        for index in range(pixels.shape[2]):
-            key = COLOUR[index] if name == "color" else f"{name}.{VECTOR[index]}"
-            channels[key] = np.ascontiguousarray(pixels[:, :, index])
+        pixels = exr_type(np.atleast_3d(given))
+        layer = "" if name == "color" else name.removeprefix("primvars:") + "."
+        axes = ("id",) if pixels.dtype == np.uint32 else AXES[pixels.shape[2]]
+        for index, axis in enumerate(axes):
+            channels[layer + axis] = np.ascontiguousarray(pixels[:, :, index])
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, {key: OpenEXR.Channel(key, pixels) for key, pixels in channels.items()}).write(path)
 
@@ -68,4 +65,4 @@ def read_exr(path: str) -> dict[str, np.ndarray]:
 def read_colour(path: str) -> np.ndarray:
     """Colour of an EXR: height × width × 3, single precision."""
     channels = read_exr(path)
-    return np.stack([channels[name].astype(np.float32) for name in COLOUR[:3]], axis=2)
+    return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=2)

@@ -63,8 +63,10 @@ fn note_files(path: &Path, lines: &mut Vec<String>) -> Result<()> {
     if about.is_dir() {
         for entry in fs::read_dir(path).with_context(|| path.display().to_string())? {
             let entry = entry?;
-            // Python leaves its caches among the sources, and xtask is no part of the product.
-            if !["__pycache__", "xtask"].contains(&entry.file_name().to_string_lossy().as_ref()) {
+            let name = entry.file_name();
+            // What Python and its tools leave among the sources is none, and xtask is no part of the product.
+            let name = name.to_string_lossy();
+            if !["__pycache__", "xtask"].contains(&name.as_ref()) && !name.ends_with(".so") && !name.starts_with('.') {
                 note_files(&entry.path(), lines)?;
             }
         }
