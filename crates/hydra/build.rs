@@ -45,7 +45,8 @@ fn compile(shim: &Path, include: &str) {
         build.define(define, "hdUmber");
     }
     build.define("MFB_PACKAGE_MODULE", "HdUmber");
-    build.flag("-Wall").flag("-Wextra").flag("-Werror");
+    // OpenUSD includes <ext/hash_set>, which announces its age by a #warning of this group.
+    build.flag("-Wall").flag("-Wextra").flag("-Werror").flag("-Wno-deprecated");
     // Frame pointers and debug sections of template-heavy code only make the library large.
     build.debug(false).opt_level(2);
     for object in build.compile_intermediates() {

@@ -1,0 +1,27 @@
+#ifndef UMBER_CPP_SHIM_INSTANCER_H
+#define UMBER_CPP_SHIM_INSTANCER_H
+
+#include "umber-hydra/src/bridge.rs.h"
+
+#include "pxr/pxr.h"
+#include "pxr/imaging/hd/instancer.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// An instancer: one level of it. Nested ones are put together by the renderer.
+class HdUmberInstancer final : public HdInstancer
+{
+public:
+    HdUmberInstancer(HdSceneDelegate *delegate, SdfPath const &id,
+                     rust::Box<umber::Instancer> instancer);
+
+    void Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits) override;
+    void Finalize(HdRenderParam *param) override;
+
+private:
+    rust::Box<umber::Instancer> _instancer;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE
+
+#endif

@@ -1,0 +1,29 @@
+#ifndef UMBER_CPP_SHIM_LIGHT_H
+#define UMBER_CPP_SHIM_LIGHT_H
+
+#include "umber-hydra/src/bridge.rs.h"
+
+#include "pxr/pxr.h"
+#include "pxr/imaging/hd/light.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// A light of any shape: the shape is known to the Rust half.
+class HdUmberLight final : public HdLight
+{
+public:
+    HdUmberLight(SdfPath const &id, rust::Box<umber::Light> light);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override { return AllDirty; }
+    void Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits) override;
+    void Finalize(HdRenderParam *param) override;
+
+private:
+    void _SyncParameters(HdSceneDelegate *delegate);
+
+    rust::Box<umber::Light> _light;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE
+
+#endif
