@@ -63,7 +63,7 @@ impl LightSet {
         self.sampler.pmf(p, light as usize)
     }
 
-    /// The nearest light shape on a ray. A side that does not emit is not there.
+    /// The nearest light shape on a ray. A side that does not emit is black, and there all the same.
     #[inline]
     pub fn intersect(&self, ray: &Ray, camera: bool) -> Option<ShapeHit> {
         if self.shapes.is_empty() {
@@ -76,7 +76,7 @@ impl LightSet {
             if camera && !light.camera_visible() {
                 return None;
             }
-            let hit = light.intersect(&Ray { t_max, ..*ray }).filter(|hit| !hit.radiance.is_black())?;
+            let hit = light.intersect(&Ray { t_max, ..*ray })?;
             nearest = Some(ShapeHit { light: index, radiance: hit.radiance });
             Some(hit.t)
         });
@@ -96,7 +96,7 @@ impl LightSet {
                 return None;
             }
             let ray = Ray { t_max, ..*ray };
-            occluded |= self.lights[index as usize].intersect(&ray).is_some_and(|hit| !hit.radiance.is_black());
+            occluded |= self.lights[index as usize].intersect(&ray).is_some();
             occluded.then_some(ray.t_min)
         });
         occluded

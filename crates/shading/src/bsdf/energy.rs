@@ -85,8 +85,8 @@ fn integrate(cos: f32, alpha: f32) -> Pair {
         let h = ggx::visible_normal(wo, alpha, Vec2::new(azimuth, 1.0 - t * t * t));
         let wi = h * (2.0 * wo.dot(h)) - wo;
         if wi.z() > 0.0 {
-            let (lo, li) = (ggx::lambda(wo, alpha), ggx::lambda(wi, alpha));
-            let (weight, s) = (3.0 * t * t * (1.0 + lo) / (1.0 + lo + li), ggx::schlick_weight(wo.dot(h)));
+            let weight = 3.0 * t * t / (1.0 + ggx::lambda(wi, alpha));
+            let s = ggx::schlick_weight(wo.dot(h));
             sum += Vec2::new(weight * (1.0 - s), weight * s);
         }
     }

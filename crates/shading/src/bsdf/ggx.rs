@@ -1,7 +1,7 @@
-//! GGX microfacets with height-correlated Smith masking and Schlick's Fresnel, isotropic, reflection only.
+//! GGX microfacets with separable Smith masking and shadowing and Schlick's Fresnel, isotropic, reflection only.
 //!
-//! Walter et al. 2007 (distribution); Heitz 2014, "Understanding the Masking-Shadowing Function in
-//! Microfacet-Based BRDFs"; Dupuy & Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+//! Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces" (distribution, and masking times
+//! shadowing: the form that other renderers of UsdPreviewSurface have, Mitsuba's `principled` among them); Dupuy & Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
 //! All vectors are local: z is the shading normal. Single scattering: rough surfaces lose energy.
 
 use std::f32::consts::PI;
@@ -49,7 +49,7 @@ impl Ggx {
         let h = (wo + wi).normalized();
         let d = distribution(h, self.alpha);
         let (lambda_o, lambda_i) = (lambda(wo, self.alpha), lambda(wi, self.alpha));
-        let f = d / (4.0 * wo.z() * wi.z() * (1.0 + lambda_o + lambda_i));
+        let f = d / (4.0 * wo.z() * wi.z() * (1.0 + lambda_o) * (1.0 + lambda_i));
         let pdf = d / (4.0 * wo.z() * (1.0 + lambda_o));
         let value = self.fresnel(wi.dot(h)) * f;
         if pdf.is_finite() && value.is_finite() { (value, pdf) } else { (Rgb::BLACK, 0.0) }
