@@ -1,5 +1,6 @@
 """What a scene consists of, as plain data: what the stage reader gives and a session takes.
 
+Words (purpose, interpolation, scheme, orientation) are the tokens of the USD schemas.
 Transforms are float64 of shape (4, 4) in USD's layout: row vectors, translation in the last row.
 Points, normals and primvars are in object space. Fallbacks are those of the USD schemas.
 """
@@ -7,7 +8,6 @@ Points, normals and primvars are in object space. Fallbacks are those of the USD
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,6 @@ Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 Doubles = npt.NDArray[np.float64]
 Color = tuple[float, float, float]
-Interpolation = Literal["constant", "uniform", "varying", "vertex", "faceVarying"]
 
 NO_INTS: Ints = np.empty(0, np.int32)
 IDENTITY: Doubles = np.eye(4)
@@ -27,7 +26,7 @@ class Primvar:
     """Values, shape (n,) or (n, 2 to 4), already expanded from indices, and how they spread."""
 
     values: Floats
-    interpolation: Interpolation
+    interpolation: str
 
 
 @dataclass(slots=True)
@@ -47,13 +46,13 @@ class Mesh:
     face_vertex_counts: Ints
     face_vertex_indices: Ints
     hole_indices: Ints = field(default_factory=lambda: NO_INTS)
-    subdivision_scheme: Literal["none", "catmullClark", "loop", "bilinear"] = "none"
-    orientation: Literal["rightHanded", "leftHanded"] = "rightHanded"
+    subdivision_scheme: str = "none"
+    orientation: str = "rightHanded"
     normals: Primvar | None = None
     primvars: dict[str, Primvar] = field(default_factory=dict)
     subsets: list[Subset] = field(default_factory=list)
     transform: Doubles = field(default_factory=lambda: IDENTITY)
-    purpose: Literal["default", "render", "proxy", "guide"] = "default"
+    purpose: str = "default"
     double_sided: bool = False
     material: str | None = None
     instancer: str | None = None
@@ -73,7 +72,10 @@ class Instancer:
 
 @dataclass(slots=True)
 class Camera:
-    """A camera that looks along -Z with +Y up. Apertures, offsets and focal length share a unit."""
+    """A camera that looks along -Z with +Y up. Apertures, offsets and focal length share a unit.
+
+    `conform_policy`: matchVertically, matchHorizontally, fit, crop or dontConform.
+    """
 
     path: str
     transform: Doubles
@@ -82,15 +84,15 @@ class Camera:
     aperture_offset: tuple[float, float] = (0.0, 0.0)
     orthographic: bool = False
     clipping_range: tuple[float, float] = (1.0, 1_000_000.0)
-    conform_policy: Literal["matchVertically", "matchHorizontally", "fit", "crop", "dontConform"] = "matchVertically"
+    conform_policy: str = "matchVertically"
 
 
 @dataclass(slots=True)
 class Light:
-    """A light of UsdLux; what its kind does not have is ignored."""
+    """A light of UsdLux: distant, dome, rect or sphere. What its kind does not have is ignored."""
 
     path: str
-    kind: Literal["distant", "dome", "rect", "sphere"]
+    kind: str
     transform: Doubles = field(default_factory=lambda: IDENTITY)
     angle_deg: float = 0.53
     width: float = 1.0
@@ -121,7 +123,7 @@ class PreviewSurface:
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.01
     opacity: float = 1.0
-    opacity_mode: Literal["transparent", "presence"] = "transparent"
+    opacity_mode: str = "transparent"
     opacity_threshold: float = 0.0
     ior: float = 1.5
 

@@ -17,6 +17,7 @@ Picture = npt.NDArray[Any]
 DISPLAY_FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff")
 LINEAR_FORMATS = (".exr", ".hdr")
 WITHOUT_ALPHA = (".jpg", ".jpeg", ".bmp")
+JPEG_QUALITY = 95
 AXES = {1: "Z", 2: "XY", 3: "XYZ", 4: "RGBA"}
 
 
@@ -54,8 +55,7 @@ def _write_display(path: Path, color: Picture, srgb: bool) -> None:
     values = quantized(rgb)
     if path.suffix.lower() not in WITHOUT_ALPHA:
         values = np.concatenate([values, quantized(color[..., 3:])], axis=2)
-    options = {"quality": 95} if path.suffix.lower() in (".jpg", ".jpeg") else {}
-    Image.fromarray(np.ascontiguousarray(values)).save(path, **options)
+    Image.fromarray(np.ascontiguousarray(values)).save(path, quality=JPEG_QUALITY)
 
 
 def write_exr(path: Path, planes: dict[str, Picture]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from pxr import Usd, UsdUtils
+from pxr import Tf, Usd, UsdUtils
 
 PLACEHOLDER = re.compile(r"^[^#]*?(#+(?:\.#+)?)[^#]*$")
 
@@ -16,16 +16,19 @@ def decimals(text: str) -> int:
 
 
 class FrameSpecs:
-    """Comma-separated FrameSpecs (`101:105x2,120`): iterates over all their time codes."""
+    """Comma-separated FrameSpecs (`101:105x2,120`): iterates over all their time codes.
+
+    Raises ValueError for text that is none.
+    """
 
     def __init__(self, text: str) -> None:
         specs = text.split(",")
-        self._ranges = [UsdUtils.TimeCodeRange.CreateFromFrameSpec(spec) for spec in specs]
+        try:
+            self._ranges = [UsdUtils.TimeCodeRange.CreateFromFrameSpec(spec) for spec in specs]
+        except Tf.ErrorException as error:
+            raise ValueError(f"argument --frames/-f: '{text}' is not a list of FrameSpecs") from error
         self.decimals = max((decimals(spec.split("x")[1]) for spec in specs if spec.count("x") == 1), default=0)
         """Digits behind the point that tell neighbouring frames apart."""
-
-    def __bool__(self) -> bool:
-        return all(r.IsValid() for r in self._ranges)
 
     def __iter__(self) -> Iterator[float]:
         for time_codes in self._ranges:
@@ -61,8 +64,6 @@ def plan(stage: Usd.Stage, output: str, frames: str | None, default_time: bool) 
             )
         return [(Usd.TimeCode.Default().GetValue() if default_time else stage.GetStartTimeCode(), output)]
     specs = FrameSpecs(frames)
-    if not specs:
-        raise ValueError(f"argument --frames/-f: '{frames}' is not a list of FrameSpecs")
     if formatted is None:
         raise ValueError(
             'outputImagePath must contain exactly one frame number placeholder of the form "###" or "###.###". '

@@ -39,7 +39,7 @@ def describe(path: str, camera: Gf.Camera, transform: Gf.Matrix4d, conform_polic
 
     return Camera(
         path=path,
-        transform=matrix(without_scale(transform)),
+        transform=matrix(transform),
         aperture=(scaled(camera.horizontalAperture, aperture), scaled(camera.verticalAperture, aperture)),
         aperture_offset=(
             scaled(camera.horizontalApertureOffset, aperture),
@@ -50,11 +50,3 @@ def describe(path: str, camera: Gf.Camera, transform: Gf.Matrix4d, conform_polic
         clipping_range=(single(camera.clippingRange.min), single(camera.clippingRange.max)),
         conform_policy=conform_policy,
     )
-
-
-def without_scale(transform: Gf.Matrix4d) -> Gf.Matrix4d:
-    """The transform with scale and shear taken out; as it is where it has none."""
-    rows = np.array(transform)[:3, :3]
-    if np.allclose(rows @ rows.T, np.eye(3), rtol=0.0, atol=1e-9):
-        return transform
-    return transform.RemoveScaleShear()

@@ -44,13 +44,6 @@ def frame_stage(stage: Usd.Stage, time: Usd.TimeCode, purposes: list[str]) -> Gf
     return camera
 
 
-def as_hydra_has_it(camera: Gf.Camera) -> Gf.Camera:
-    """The camera after its way through view and projection matrices, as a Hydra engine takes it."""
-    frustum, taken = camera.frustum, Gf.Camera()
-    taken.SetFromViewAndProjectionMatrix(frustum.ComputeViewMatrix(), frustum.ComputeProjectionMatrix())
-    return taken
-
-
 def image_height(width: int, camera: Gf.Camera) -> int:
     """Rows of a picture of `width` columns with the camera's aspect ratio."""
     aspect = np.float32(camera.aspectRatio)
@@ -60,5 +53,10 @@ def image_height(width: int, camera: Gf.Camera) -> int:
 
 
 def describe_free(camera: Gf.Camera) -> Camera:
-    """The free camera for a session."""
-    return describe(PATH, camera, camera.transform, "fit")
+    """The framing camera for a session.
+
+    It goes by way of view and projection matrices first, because Hydra engines take it so.
+    """
+    frustum, taken = camera.frustum, Gf.Camera()
+    taken.SetFromViewAndProjectionMatrix(frustum.ComputeViewMatrix(), frustum.ComputeProjectionMatrix())
+    return describe(PATH, taken, taken.transform, "fit")

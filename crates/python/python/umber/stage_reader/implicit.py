@@ -26,11 +26,11 @@ Shape = tuple[Floats, Ints, Ints, str]
 
 
 def _cos(angle: np.float32) -> np.float32:
-    return F(math.cos(float(angle)))
+    return np.float32(math.cos(float(angle)))
 
 
 def _sin(angle: np.float32) -> np.float32:
-    return F(math.sin(float(angle)))
+    return np.float32(math.sin(float(angle)))
 
 
 @cache
@@ -125,7 +125,7 @@ def cone(radius: float, height: float, axis: str) -> Shape:
 
 
 def _lerp(alpha: float, a: np.float32, b: np.float32) -> np.float32:
-    return F((1.0 - alpha) * float(a) + alpha * float(b))
+    return np.float32((1.0 - alpha) * float(a) + alpha * float(b))
 
 
 def capsule(bottom: float, top: float, height: float, axis: str) -> Shape:

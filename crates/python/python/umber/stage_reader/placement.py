@@ -27,7 +27,7 @@ class Space:
     """The instancer's transforms, shape (n, 4, 4): parent space from this space."""
 
     def from_object(self, reading: Reading, prim: Usd.Prim) -> Gf.Matrix4d:
-        """This space from the prim's object space."""
+        """Space of this from the prim's object space."""
         transform = reading.local_to_world(prim)
         if self.origin is not None:
             transform = transform * reading.local_to_world(self.origin).GetInverse()

@@ -35,10 +35,8 @@ def read(reading: Reading, prim: Usd.Prim, space: Space) -> Placed | None:
         reading.warn(prim, f"the point instancer has {len(numbers)} protoIndices for {count} positions")
         count = min(count, len(numbers))
         numbers = numbers[:count]
-    if instancer.UsesOrientationsf()[0]:
-        orientations = reading.value(prim, "orientationsf")
-    else:
-        orientations = reading.value(prim, "orientations")
+    precise = reading.value(prim, "orientationsf")
+    orientations = precise if precise else reading.value(prim, "orientations")
     scales = reading.value(prim, "scales")
     outer = matrix(space.from_object(reading, prim))
     transforms = _compose(

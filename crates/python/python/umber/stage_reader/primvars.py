@@ -25,18 +25,19 @@ def from_usd(reading: Reading, primvar: UsdGeom.Primvar, components: int) -> Pri
     except (TypeError, ValueError):
         reading.warn(prim, f"primvar '{name}' is left out: {primvar.GetTypeName()} is not numeric")
         return None
-    scalar_wanted, element = components == 1, primvar.GetElementSize()
-    if values.ndim != (1 if scalar_wanted else 2) or (not scalar_wanted and values.shape[1] != components):
-        if primvar.GetTypeName().isArray:
-            reading.warn(prim, f"primvar '{name}' is left out: {primvar.GetTypeName()} has the wrong type")
-            return None
-        values = values.reshape((1,) if scalar_wanted else (1, -1))
-        if not scalar_wanted and values.shape[1] != components:
-            return None
+    if not primvar.GetTypeName().isArray:
+        values = values.reshape(1, -1)
+    wanted: tuple[int, ...] = (len(values), components)
+    if components == 1:
+        values, wanted = values.reshape(len(values), -1)[:, 0], (len(values),)
     if values.size == 0:
         return None
-    if element != 1:
-        values = np.ascontiguousarray(values[::element])
+    if values.shape != wanted:
+        reading.warn(prim, f"primvar '{name}' is left out: {primvar.GetTypeName()} has not {components} components")
+        return None
+    stride = primvar.GetElementSize()
+    if stride > 1:
+        values = np.ascontiguousarray(values[::stride])
     return Primvar(values, primvar.GetInterpolation())
 
 
