@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
+use rayon::prelude::*;
 use umber_math::{Bounds3, Ray, Transform};
 
 use crate::{
@@ -67,6 +68,8 @@ pub(crate) struct Placed {
 pub struct InstanceBvh {
     tree: WideTree,
     instances: Vec<Instance>,
+    /// Each instance's transform with its inverse, rounded: what hits that end there need.
+    rounded: Vec<Transform>,
     /// In the tree's order.
     placed: Vec<Placed>,
     skipped: Vec<u32>,
@@ -98,7 +101,9 @@ impl InstanceBvh {
         let (tree, order) = WideTree::build(&boxes, 1);
         let mut by_index: Vec<Option<Placed>> = placed.into_iter().map(Some).collect();
         let placed = order.iter().filter_map(|&i| by_index[i as usize].take()).collect();
-        Self { tree, instances, placed, skipped, depth }
+        let rounded = |i: &Instance| Transform::from_affine(i.parent_from_child).unwrap_or_default();
+        let rounded = instances.par_iter().with_min_len(256).map(rounded).collect();
+        Self { tree, instances, rounded, placed, skipped, depth }
     }
 
     /// Indices of the instances that can't be hit: transform singular or not finite, or nested too deep.
@@ -116,6 +121,7 @@ impl InstanceBvh {
         size_of::<Self>()
             + self.tree.memory_bytes()
             + self.instances.capacity() * size_of::<Instance>()
+            + self.rounded.capacity() * size_of::<Transform>()
             + self.placed.capacity() * size_of::<Placed>()
             + self.skipped.capacity() * 4
     }
@@ -181,7 +187,13 @@ impl InstanceBvh {
 
     /// From the space of what the path ends at to this group's, which is render space for the
     /// outermost; composed in double precision.
+    #[inline]
     pub fn render_from_object(&self, path: &InstancePath) -> Transform {
+        if let [only] = path.as_slice()
+            && let Some(rounded) = self.rounded.get(*only as usize)
+        {
+            return *rounded;
+        }
         Transform::from_affine(self.render_from_object_double(path)).unwrap_or_default()
     }
 
