@@ -47,6 +47,8 @@ fn compile(shim: &Path, include: &str) {
     build.define("MFB_PACKAGE_MODULE", "HdUmber");
     // OpenUSD includes <ext/hash_set>, which announces its age by a #warning of this group.
     build.flag("-Wall").flag("-Wextra").flag("-Werror").flag("-Wno-deprecated");
+    // Tf diagnostics name the file: as it lies in the project, not on the machine that built it.
+    build.flag(format!("-ffile-prefix-map={}=cpp_shim", shim.display()));
     // Frame pointers and debug sections of template-heavy code only make the library large.
     build.debug(false).opt_level(2);
     for object in build.compile_intermediates() {
