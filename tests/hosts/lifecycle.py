@@ -90,8 +90,10 @@ def run_round(number: int, allowed_growth: float) -> list[str]:
             viewport.draw(stage)
         resident.append(resident_mib())
     growth = resident[-1] - resident[EDITS // 2]
-    print(f"round {number}: {resident[0]:.1f} MiB, {resident[EDITS // 2]:.1f} after {EDITS // 2} edits, "
-          f"{resident[-1]:.1f} after {EDITS}")
+    print(
+        f"round {number}: {resident[0]:.1f} MiB, {resident[EDITS // 2]:.1f} after {EDITS // 2} edits, "
+        f"{resident[-1]:.1f} after {EDITS}"
+    )
     if growth > allowed_growth:
         failures.append(f"{growth:.1f} MiB more after the second {EDITS // 2} edits")
     for viewport in viewports:
