@@ -185,3 +185,14 @@ def test_what_is_not_drawn_is_named(read: Read) -> None:
         def Camera "c" {}""")
     assert not scene.meshes
     assert len(scene.warnings) == 1 and "</hair>" in scene.warnings[0] and "BasisCurves" in scene.warnings[0]
+
+
+def test_points_of_a_wrong_type_are_named(read: Read) -> None:
+    scene = read("""
+        def Mesh "m" {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            float[] points = [0, 1, 2]
+        }
+        def Mesh "good" { SQUARE }""")
+    assert list(scene.meshes) == ["/good"] and "</m>" in scene.warnings[0]

@@ -16,12 +16,12 @@ def wait(session: Session) -> None:
     with tqdm(
         total=100.0,
         disable=not sys.stderr.isatty(),
-        bar_format="{percentage:3.0f} %|{bar}| {postfix} [{elapsed}, {remaining} left]",
+        bar_format="{desc} {percentage:3.0f} %|{bar}| [{elapsed}, {remaining} left]",
         leave=False,
     ) as bar:
         while not session.wait(INTERVAL_SECONDS):
             stats = session.stats()
             samples, target = stats["numCompletedSamples"], stats["targetSamples"]
-            bar.set_postfix_str(f"{samples}/{target} samples", refresh=False)
+            bar.set_description_str(f"{samples}/{target} samples", refresh=False)
             bar.n = min(float(stats["percentDone"]), 100.0)
             bar.refresh()

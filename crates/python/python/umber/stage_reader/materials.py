@@ -34,7 +34,8 @@ def read_material(reading: Reading, material: UsdShade.Material) -> Material:
         return Material(path)
     identifier = shader.GetIdAttr().Get()
     if identifier != "UsdPreviewSurface":
-        reading.warn(material.GetPrim(), f"surface shader '{identifier}' is not known; meshes show their displayColor")
+        named = f"'{identifier}'" if identifier else f"<{shader.GetPath()}> (it has no info:id)"
+        reading.warn(material.GetPrim(), f"surface shader {named} is not known; meshes show their displayColor")
         return Material(path)
     surface = PreviewSurface()
     for row in fields(surface):

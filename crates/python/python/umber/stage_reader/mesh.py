@@ -23,7 +23,7 @@ def subset_prims(prim: Usd.Prim) -> list[Usd.Prim]:
 def read_mesh(
     reading: Reading, prim: Usd.Prim, space: Space, purpose: str, materials: dict[Sdf.Path, str | None]
 ) -> Mesh | None:
-    """A mesh or implicit shape; None where it has nothing to show.
+    """A mesh or implicit shape; None where it has nothing to show. ValueError says what keeps it from being one.
 
     `materials`: path of each bound material, by the path of the mesh or subset.
     """
@@ -33,8 +33,11 @@ def read_mesh(
         counts = ints(reading.value(prim, "faceVertexCounts"))
         if points is None or not len(points) or not counts.size:
             return None
+        kind, points = type(points).__name__, floats(points)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ValueError(f"its points are a {kind}, not triples")
         indices, holes = (ints(reading.value(prim, name)) for name in ("faceVertexIndices", "holeIndices"))
-        scheme, points = reading.value(prim, "subdivisionScheme"), floats(points)
+        scheme = reading.value(prim, "subdivisionScheme")
         if scheme not in SCHEMES:
             reading.warn(prim, f"subdivision scheme '{scheme}' is not known; taken as 'none'")
             scheme = "none"
@@ -56,7 +59,8 @@ def read_mesh(
         subsets=_subsets(reading, prim, materials) if shape is None else [],
         transform=matrix(space.from_object(reading, prim)),
         purpose=purpose,
-        double_sided=bool(reading.value(prim, "doubleSided")) if shape is None else False,
+        # of the implicit shapes, Hydra asks planes alone
+        double_sided=(shape is None or prim.GetTypeName() == "Plane") and bool(reading.value(prim, "doubleSided")),
         material=materials.get(prim.GetPath()),
         instancer=space.instancer,
         instance_indices=space.indices,

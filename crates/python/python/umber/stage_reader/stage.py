@@ -34,7 +34,11 @@ def read_stage(
     skins = Skins(reading, found.skel_roots)
     prim_id = 0
     for prim, space, purpose in found.meshes:
-        mesh = read_mesh(reading, prim, space, purpose, materials)
+        try:
+            mesh = read_mesh(reading, prim, space, purpose, materials)
+        except (TypeError, ValueError) as error:
+            reading.warn(prim, f"the mesh is left out: {error}")
+            continue
         if mesh is not None:
             skins.pose(prim, mesh)
             mesh.prim_id = prim_id
