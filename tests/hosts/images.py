@@ -56,13 +56,13 @@ def write_png(path: str, colour: np.ndarray) -> None:
     Path(path).write_bytes(content)
 
 
-def read_exr(path: str) -> dict[str, np.ndarray]:
+def read_exr(path: str | Path) -> dict[str, np.ndarray]:
     """The channels of an EXR by name."""
-    with OpenEXR.File(path, separate_channels=True) as file:
+    with OpenEXR.File(str(path), separate_channels=True) as file:
         return {name: channel.pixels for name, channel in file.channels().items()}
 
 
-def read_colour(path: str) -> np.ndarray:
+def read_colour(path: str | Path) -> np.ndarray:
     """Colour of an EXR: height × width × 3, single precision."""
     channels = read_exr(path)
     return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=2)

@@ -82,19 +82,35 @@ fn hosts(report: &mut Report) -> Result<()> {
 
 fn pytest(name: &str, command: &mut Command, report: &mut Report) -> Result<()> {
     command.args(["-p", "no:cacheprovider", "-ra"]).current_dir(workspace::root());
-    let (code, closing) = process::watch(command, |line| line.contains(" in ") && line.ends_with('s'))?;
+    let (code, closing) = process::watch(command, is_closing_line)?;
     let said = closing.last().map_or("no closing line", |line| line.trim_matches(['=', ' ']));
     report.add(name, said, code == 0 || code == NO_TESTS);
     Ok(())
 }
 
+/// Whether pytest says `line` at the end: "3 passed, 1 skipped in 2.10s".
+fn is_closing_line(line: &str) -> bool {
+    let line = line.trim_matches(['=', ' ']);
+    let counts = line.split_once(" in ").map_or("", |(counts, _)| counts);
+    counts.split(", ").all(|count| count.starts_with(|c: char| c.is_ascii_digit()) || count == "no tests ran")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::count;
+    use super::{count, is_closing_line};
 
     #[test]
     fn results_are_counted() {
         let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.52s";
         assert_eq!([count(line, "passed"), count(line, "failed"), count(line, "ignored")], [12, 3, 0]);
+    }
+
+    #[test]
+    fn closing_line_of_pytest_is_known() {
+        assert!(is_closing_line("12 passed, 1 skipped in 83.10s (0:01:23)"));
+        assert!(is_closing_line("==== 1 failed, 2 errors in 0.10s ===="));
+        assert!(is_closing_line("no tests ran in 0.01s"));
+        assert!(!is_closing_line("SKIPPED [1] tests/x.py: there are 2 passed in it"));
+        assert!(!is_closing_line(""));
     }
 }
