@@ -31,7 +31,7 @@ pub enum ConformPolicy {
 /// A camera. It looks along -Z with +Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// World from camera, without scale.
+    /// World from camera, as authored. A scale stretches the view as it stretches a model.
     pub world_from_camera: DAffine3,
     /// Projection.
     pub projection: Projection,

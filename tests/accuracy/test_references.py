@@ -1,0 +1,67 @@
+"""The renderer against another one: whole pictures by Mitsuba, thousands of samples a pixel.
+
+Compared are means of 8 x 8 blocks: their RMS difference, relative to the picture's mean, and how many of them differ
+by more than four standard errors. A block's standard error comes from the spread of the difference over its pixels,
+so it holds the noise of both renderers. Figures are printed: `pytest -rP tests/accuracy`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+from numpy.typing import NDArray
+from umber.command_line import main
+
+SHARED = Path(__file__).parents[3] / "shared"
+BLOCK = 8
+SAMPLES = 1024
+
+
+def render(stage: Path, width: int, out: Path) -> NDArray[np.float64]:
+    """Radiance as (height, width, 3), row 0 at the top."""
+    settings = {"convergedSamplesPerPixel": SAMPLES, "umber:maxBounces": 8}
+    arguments = ["record", "--camera", "Camera", "--disableCameraLight", "--enableDomeLightVisibility"]
+    arguments += ["--imageWidth", str(width)]
+    for key, value in settings.items():
+        arguments += ["--set", f"{key}={value}"]
+    assert main([*arguments, str(stage), str(out)]) == 0
+    with OpenEXR.File(str(out)) as file:
+        pixels = file.channels()["RGBA"].pixels
+    return pixels[..., :3].astype(np.float64)
+
+
+def blocks(image: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pixels by block: (rows, columns, pixels, channels); what fills no block is left out."""
+    height, width = (size // BLOCK * BLOCK for size in image.shape[:2])
+    cut = image[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3)
+    return cut.transpose(0, 2, 1, 3, 4).reshape(height // BLOCK, width // BLOCK, BLOCK * BLOCK, 3)
+
+
+@pytest.mark.parametrize(
+    ("scene", "width", "tolerance"), [("cornell", 256, 0.01), ("metal", 320, 0.02), ("many_lights", 320, 0.02)]
+)
+def test_agrees_with_mitsuba(scene: str, width: int, tolerance: float, tmp_path: Path) -> None:
+    reference_file = SHARED / "reference/mitsuba" / f"{scene}.npy"
+    if not reference_file.exists():
+        pytest.skip("no ../shared/reference/mitsuba beside the project")
+    reference = np.load(reference_file).astype(np.float64)
+    image = render(SHARED / "scenes" / f"{scene}.usda", width, tmp_path / "out.exr")
+    assert image.shape == reference.shape
+
+    difference = blocks(image) - blocks(reference)
+    means = difference.mean(axis=2)
+    rms = float(np.sqrt((means**2).mean()) / reference.mean())
+    # half-float rounding of the file is no noise, but it is there: 2^-11 of the value
+    rounding = blocks(reference).mean(axis=2) * 2.0**-11 / BLOCK
+    error = np.sqrt(difference.var(axis=2, ddof=1) / BLOCK**2 + rounding**2)
+    z = np.abs(means) / np.maximum(error, 1e-12)
+    off = int((z > 4).any(axis=2).sum())
+    count = means.shape[0] * means.shape[1]
+    bias = image.mean() / reference.mean() - 1
+    print(f"{scene}: RMS of block means {100 * rms:.3f} %, mean {100 * bias:+.3f} %,", end=" ")
+    print(f"{off} of {count} blocks off by more than 4 standard errors")
+    assert rms <= tolerance
+    assert off <= max(1, count // 1000)
