@@ -69,6 +69,16 @@ def test_purpose_is_inherited(read: Read, purposes: tuple[str, ...], shown: set[
     assert set(scene.meshes) == shown
 
 
+def test_typeless_prims_have_no_purpose_and_no_visibility(read: Read) -> None:
+    scene = read("""
+        def "group" {
+            uniform token purpose = "guide"
+            token visibility = "invisible"
+            def Mesh "m" { SQUARE }
+        }""")
+    assert scene.meshes["/group/m"].purpose == "default"
+
+
 PRIMVARS = """
 def Xform "g" {
     color3f[] primvars:displayColor = [(1, 0, 0)] (interpolation = "constant")

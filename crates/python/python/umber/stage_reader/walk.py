@@ -61,13 +61,13 @@ class _Walker:
         while pending:
             prim, outer = pending.pop()
             kind = prim.GetTypeName()
-            if kind and not prim.IsA(UsdGeom.Imageable):
-                continue
-            if self.reading.value(prim, "visibility") == UsdGeom.Tokens.invisible:
-                continue
-            own = prim.GetAttribute("purpose")
-            if own.HasAuthoredValue():
-                outer = own.Get()
+            if kind:
+                # typeless prims group others, and have neither visibility nor purpose
+                if not prim.IsA(UsdGeom.Imageable):
+                    continue
+                if self.reading.value(prim, "visibility") == UsdGeom.Tokens.invisible:
+                    continue
+                outer = _authored_purpose(prim) or outer
             if prim.IsInstance():
                 self._join_group(groups, prim, space, outer)
                 continue
@@ -130,12 +130,16 @@ class _Walker:
             self.subtrees([prototype], inner, _inherited_purpose(prototype), PROTOTYPE_CHILDREN)
 
 
+def _authored_purpose(prim: Usd.Prim) -> str | None:
+    purpose = prim.GetAttribute("purpose")
+    return str(purpose.Get()) if purpose.HasAuthoredValue() else None
+
+
 def _inherited_purpose(prim: Usd.Prim) -> str | None:
     """The purpose that a prim inherits from those above it in namespace."""
     above = prim.GetParent()
     while above:
-        purpose = above.GetAttribute("purpose")
-        if purpose.HasAuthoredValue():
-            return str(purpose.Get())
+        if above.IsA(UsdGeom.Imageable) and (purpose := _authored_purpose(above)):
+            return purpose
         above = above.GetParent()
     return None
