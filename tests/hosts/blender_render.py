@@ -9,6 +9,7 @@ Runs in the Python that has Blender as the module `bpy`; UMBER_PLUGIN_PATH names
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from pathlib import Path
@@ -41,7 +42,9 @@ class UmberEngine(bpy.types.HydraRenderEngine):
 
 def main() -> int:
     """Renders what the command line says; the exit code."""
-    arguments = argument_parser().parse_args()
+    arguments, others = argument_parser().parse_known_args()
+    if others:
+        print(f"blender_render: of no meaning to Blender, ignored: {' '.join(others)}", file=sys.stderr)
     try:
         UmberEngine.settings = dict(parse_setting(text) for text in arguments.set)
     except ValueError as error:
@@ -51,6 +54,8 @@ def main() -> int:
         register(os.environ["UMBER_PLUGIN_PATH"])
         import_stage(arguments.stage)
         set_up(arguments)
+        if arguments.camera_light:
+            add_camera_light(bpy.context.scene)
         bpy.ops.render.render(write_still=True)
     except (RuntimeError, LookupError) as error:
         print(f"blender_render: {error}", file=sys.stderr)
@@ -71,6 +76,7 @@ def argument_parser() -> argparse.ArgumentParser:
     add("--imageHeight", type=int, help="from the camera's aspect ratio where not given")
     add("--camera", "-cam", help="name of the camera, or its prim path; the first one where not given")
     add("--frame", type=int, help="the frame to render")
+    add("--disableCameraLight", action="store_false", dest="camera_light")
     add("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the renderer")
     return parser
 
@@ -108,7 +114,7 @@ def import_stage(path: str) -> None:
 
 
 def set_up(arguments: argparse.Namespace) -> None:
-    """Engine, camera, size, and the file: linear, single precision where it is an EXR."""
+    """Engine, camera, size, and the file: linear, single precision where it is an EXR, else as displayed."""
     scene = bpy.context.scene
     scene.render.engine = UmberEngine.bl_idname
     scene.camera = find_camera(scene, arguments.camera)
@@ -122,13 +128,23 @@ def set_up(arguments: argparse.Namespace) -> None:
     render.resolution_percentage = 100
     render.filepath = str(Path(arguments.output).resolve())
     render.use_file_extension = False
-    scene.view_settings.view_transform = "Raw"
     image = render.image_settings
     if Path(arguments.output).suffix.lower() == ".exr":
         image.file_format, image.color_depth = "OPEN_EXR", "32"
+        scene.view_settings.view_transform = "Raw"
     else:
         image.file_format = "PNG"
+        scene.view_settings.view_transform = "Standard"
     image.color_mode = "RGBA"
+
+
+def add_camera_light(scene: bpy.types.Scene) -> None:
+    """A sun behind the camera, without shadows: what usdrecord's camera light is."""
+    sun = bpy.data.lights.new("CameraLight", "SUN")
+    sun.energy, sun.angle, sun.use_shadow = 1.0, math.radians(0.53), False
+    light = bpy.data.objects.new("CameraLight", sun)
+    light.matrix_world = scene.camera.matrix_world
+    scene.collection.objects.link(light)
 
 
 def find_camera(scene: bpy.types.Scene, named: str | None) -> bpy.types.Object:

@@ -109,7 +109,8 @@ class EngineRecorder:
         self.engine.SetRenderBufferSize(size)
         lights = []
         if self.camera_light:
-            light = Glf.SimpleLight(Gf.Vec4f(*lens.frustum.position, 1.0))
+            light = Glf.SimpleLight()
+            light.position = Gf.Vec4f(*lens.frustum.position, 1.0)
             light.transform = lens.frustum.ComputeViewInverse()
             light.ambient = AMBIENT
             lights.append(light)
