@@ -71,3 +71,12 @@ def test_placeholder_and_frames_go_together() -> None:
 def test_one_frame() -> None:
     assert plan(EMPTY, "a.png", None, False) == [(7.0, "a.png")]
     assert math.isnan(plan(EMPTY, "a.png", None, True)[0][0])
+
+
+def test_a_single_frame_needs_no_placeholder() -> None:
+    """One time code, one file."""
+    assert plan(EMPTY, "a.png", "3:3", False) == [(3.0, "a.png")]
+    with pytest.raises(ValueError, match="placeholder"):
+        plan(EMPTY, "a.png", "3:4", False)
+    with pytest.raises(ValueError, match="placeholder"):
+        plan(EMPTY, "a.#.#.#.png", "3", False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import islice
 
 from pxr import Tf, Usd, UsdUtils
 
@@ -54,6 +55,8 @@ def frame_format(path: str) -> str | None:
 def plan(stage: Usd.Stage, output: str, frames: str | None, default_time: bool) -> list[tuple[float, str]]:
     """Time codes to record and the file for each.
 
+    A single frame needs no placeholder (usdrecord wants one even then).
+
     Raises ValueError where FrameSpecs and placeholder do not fit together.
     """
     formatted = frame_format(output)
@@ -65,6 +68,9 @@ def plan(stage: Usd.Stage, output: str, frames: str | None, default_time: bool) 
         return [(Usd.TimeCode.Default().GetValue() if default_time else stage.GetStartTimeCode(), output)]
     specs = FrameSpecs(frames)
     if formatted is None:
+        times = list(islice(specs, 2))
+        if len(times) == 1 and "#" not in output:
+            return [(times[0], output)]
         raise ValueError(
             'outputImagePath must contain exactly one frame number placeholder of the form "###" or "###.###". '
             "Note that the number of hash marks is variable in each group."
