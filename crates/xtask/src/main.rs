@@ -3,6 +3,7 @@
 //! One file a command. A command says what it does in a line or two, keeps the output of the tools it
 //! calls to itself unless they fail, and leaves nothing half done: run it again after any failure.
 
+mod bench;
 mod hydra;
 mod lint;
 mod process;
@@ -34,6 +35,8 @@ enum Command {
     Render(render::Arguments),
     /// Run every test: Rust, Python on usd-core, and the hosts where an OpenUSD with imaging is found.
     Test,
+    /// Measure beside other libraries, into target/bench and docs/charts: `bench rays`.
+    Bench(bench::Arguments),
     /// Check formatting, lints, documentation, the order of the crates, C++ warnings and Python.
     Lint,
 }
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Command::Hydra => hydra::run(),
         Command::Render(arguments) => render::run(arguments),
         Command::Test => test::run(),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Lint => lint::run(),
     };
     done.unwrap_or_else(|error| {

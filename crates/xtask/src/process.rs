@@ -27,12 +27,15 @@ pub fn quiet(command: &mut Command) -> Result<String> {
     Ok(said.into_owned())
 }
 
-/// Runs `command` in the terminal of the user; gives its exit code.
+/// Runs `command` in the terminal of the user; gives its exit code, 1 where it crashed.
 ///
 /// # Errors
 /// It did not start.
 pub fn status(command: &mut Command) -> Result<i32> {
     let status = command.status().with_context(|| format!("could not start {}", line(command)))?;
+    if status.code().is_none() {
+        eprintln!("{} crashed: {status}", line(command));
+    }
     Ok(status.code().unwrap_or(1))
 }
 

@@ -5,7 +5,7 @@ use std::{
     process::{Command, ExitCode},
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 
 use crate::{
@@ -122,13 +122,13 @@ fn newest(wheels: &std::path::Path) -> Result<PathBuf> {
     Ok(wheels.max().context("maturin built no wheel")?.1)
 }
 
-/// The driver script of a host that loads the delegate; none where there is no OpenUSD with imaging, or
-/// no Blender in it.
+/// The driver script of a host that loads the delegate; none where there is no OpenUSD with imaging.
 fn delegate_host(host: Host) -> Result<Option<Command>> {
     let Some(usd) = UsdBuild::find()? else { return Ok(None) };
-    if host == Host::Blender && usd.sdk.is_none() {
-        return Ok(None);
-    }
+    ensure!(
+        host != Host::Blender || usd.sdk.is_some(),
+        "PXR_USD_ROOT names an OpenUSD without Blender: unset it to render in the Blender of `cargo xtask sdk`."
+    );
     let plugins = hydra::build(&usd)?;
     let mut command = hydra::host_command(&usd, &plugins)?;
     let script = if host == Host::Blender { "blender_render.py" } else { "hydra_record.py" };

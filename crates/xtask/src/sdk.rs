@@ -24,6 +24,7 @@ use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    process,
     python::{self, Venv},
     usd::HOST_REQUIREMENTS,
     workspace,
@@ -147,6 +148,8 @@ fn assemble(sdk: &Sdk, tree: &headers::SourceTree, python: &Path) -> Result<()> 
         "{} does not use the namespace {namespace}: this wheel is another OpenUSD",
         library.display()
     );
+    process::quiet(venv.command().env("PYTHONPATH", sdk.python_path()).args(["-c", "from pxr import UsdImagingGL"]))
+        .context("the wheel's OpenUSD does not load here: it needs the X11 and OpenGL libraries of a desktop")?;
     tree.generate_headers(&sdk.include(), version)?;
     headers::add_tbb(&sdk.include(), &venv)?;
     let manifest = serde_json::to_string_pretty(&version.manifest())?;
