@@ -101,6 +101,8 @@ class EngineRecorder:
         aspect = lens.aspectRatio if abs(lens.aspectRatio) > 1e-4 else 1.0
         height = self.image_height or max(int(self.image_width / aspect), 1)
         size = Gf.Vec2i(self.image_width, height)
+        if self.image_height:
+            self.engine.SetOverrideWindowPolicy(CameraUtil.MatchHorizontally)
         if camera:
             self.engine.SetCameraPath(camera.GetPath())
         else:

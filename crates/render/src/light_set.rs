@@ -63,7 +63,7 @@ impl LightSet {
         self.sampler.pmf(p, light as usize)
     }
 
-    /// The nearest light shape on a ray. A side that does not emit is black, and there all the same.
+    /// The nearest light shape on a ray. A side that does not emit is black; the camera looks through it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, camera: bool) -> Option<ShapeHit> {
         if self.shapes.is_empty() {
@@ -77,6 +77,9 @@ impl LightSet {
                 return None;
             }
             let hit = light.intersect(&Ray { t_max, ..*ray })?;
+            if camera && hit.radiance.is_black() {
+                return None;
+            }
             nearest = Some(ShapeHit { light: index, radiance: hit.radiance });
             Some(hit.t)
         });

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,9 @@ class Job:
         session = Session()
         self._set_up(session)
         camera, gf_camera = self._cameras(time)
+        if self.arguments.imageHeight:
+            # a picture of another shape than the aperture shows the aperture's whole width
+            camera = dataclasses.replace(camera, conform_policy="matchHorizontally")
         session.camera(camera)
         if self.arguments.cameraLightEnabled:
             session.light(camera_light(gf_camera))
