@@ -94,3 +94,21 @@ fn opacity_is_presence() {
     let want = 1.0 - 0.75 * 0.75;
     assert!((coverage - want).abs() < 0.01, "{coverage}, not {want}");
 }
+
+/// A rect light fills the picture: its front is seen with its radiance, its back not at all.
+#[test]
+fn a_rect_light_has_one_side() {
+    for (turn, want) in [(0.0, [2.0, 2.0, 2.0, 1.0]), (std::f64::consts::PI, [0.0; 4])] {
+        let session = session(-1.0, 4, &[Aov::Color]);
+        // it shines along -Z, the camera looks along -Z: turned around it faces the camera
+        let light = Light {
+            intensity: 2.0,
+            world_from_light: DAffine3::from_translation(DVec3::new(0.0, 0.0, -3.0))
+                * DAffine3::from_rotation_y(std::f64::consts::PI - turn),
+            ..Light::new(LightKind::Rect { width: 10.0, height: 10.0 })
+        };
+        session.edit(SceneEdit::Light(LightId::new("/l"), light)).unwrap();
+        finish(&session);
+        assert!(color(&session).iter().all(|p| *p == want), "{:?}", color(&session)[0]);
+    }
+}
