@@ -172,16 +172,6 @@ impl Film {
         pixels * (size_of::<PixelSum>() + self.centers.len() * size_of::<[u32; 3]>())
     }
 
-    /// Fewest samples of any pixel.
-    pub fn min_samples(&self) -> u32 {
-        let least = |t: usize| self.tile(t).sums.iter().map(|s| s.samples).min().unwrap_or(0);
-        (0..self.tiles.len()).map(least).min().unwrap_or(0)
-    }
-    /// All samples of all pixels.
-    pub fn total_samples(&self) -> u64 {
-        (0..self.tiles.len()).map(|t| self.tile(t).sums.iter().map(|s| u64::from(s.samples)).sum::<u64>()).sum()
-    }
-
     /// Mean over the pixels of the variance of a pixel's mean luminance, relative to the squared
     /// luminance of the pixel or, where that is more, of 1 % of the picture's mean.
     pub fn mean_relative_variance(&self) -> f64 {

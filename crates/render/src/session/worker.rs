@@ -54,6 +54,8 @@ struct Picture {
     scene: RenderScene,
     film: Arc<Film>,
     order: Vec<usize>,
+    /// Samples that every pixel has.
+    done: u32,
     seconds: f64,
     rays: AtomicU64,
     samples: AtomicU64,
@@ -96,7 +98,8 @@ impl Worker {
         let order = film.tile_order();
         shared.show(Arc::clone(&film));
         self.describe(shared, &scene, &film, started.elapsed().as_secs_f64());
-        Ok(Picture { epoch, scene, film, order, seconds: 0.0, rays: AtomicU64::new(0), samples: AtomicU64::new(0) })
+        let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
+        Ok(Picture { epoch, scene, film, order, done: 0, seconds: 0.0, rays, samples })
     }
 
     /// The threads that the settings ask for.
@@ -141,16 +144,15 @@ impl Picture {
     fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         let Settings { converged_samples_per_pixel: target, converged_variance, enable_interactive, .. } =
             self.scene.settings;
-        let mut done = self.film.min_samples();
-        while done < target && self.film.tile_count() > 0 {
-            let step = if enable_interactive { (done / 2).clamp(1, FINAL_PASS) } else { FINAL_PASS };
-            let next = (done + step).min(target);
+        while self.done < target && self.film.tile_count() > 0 {
+            let step = if enable_interactive { (self.done / 2).clamp(1, FINAL_PASS) } else { FINAL_PASS };
+            let next = (self.done + step).min(target);
             if !self.pass(shared, pool, next) {
                 return false;
             }
-            done = next;
+            self.done = next;
             if converged_variance >= 0.0
-                && done >= FINAL_PASS
+                && self.done >= FINAL_PASS
                 && self.film.mean_relative_variance() <= f64::from(converged_variance)
             {
                 break;
