@@ -37,7 +37,7 @@ type Part = fn(&mut Report) -> Result<()>;
 
 impl Report {
     fn add(&mut self, name: &str, said: &str, passed: bool) {
-        self.closing.push(format!("{name}: {said}"));
+        self.closing.push(format!("{name}: {said}{}", if passed { "" } else { " (FAILED)" }));
         self.failed |= !passed;
     }
 }
