@@ -58,12 +58,12 @@ impl RenderCamera {
             Projection::Perspective => (DVec3::ZERO, DVec3::new(screen.x, screen.y, -1.0)),
             Projection::Orthographic => (DVec3::new(screen.x, screen.y, 0.0), DVec3::NEG_Z),
         };
-        // stretches distances along the view axis to distances along the ray
-        let stretch = direction.length() as f32;
-        let direction = self.render_from_camera.vector(Vector3(direction.as_vec3())).normalized();
+        let direction = self.render_from_camera.vector(Vector3(direction.as_vec3()));
+        // stretches distances along the view axis, in the camera's units, to distances along the ray
+        let stretch = direction.length();
         Ray {
             origin: self.render_from_camera.point(Point3(origin.as_vec3())),
-            direction,
+            direction: direction.normalized(),
             // what lies on the near plane is seen, whatever the rounding
             t_min: self.near * stretch * (1.0 - 16.0 * f32::EPSILON),
             t_max: self.far * stretch,
@@ -84,7 +84,10 @@ impl RenderCamera {
 
     /// A unit normal in render space, in camera space.
     pub fn eye_normal(&self, n: Normal3) -> Normal3 {
-        Normal3(self.render_from_camera.inverse_vector(n.as_vector()).normalized().0)
+        // the inverse transpose of the inverse
+        let m = &self.render_from_camera.forward().matrix3;
+        let n = umber_math::Vec3::new(m.x_axis.dot(n.0.into()), m.y_axis.dot(n.0.into()), m.z_axis.dot(n.0.into()));
+        Normal3(n).normalized()
     }
 }
 

@@ -44,6 +44,8 @@ struct CompiledMesh {
 }
 
 struct TopLevel {
+    /// Where render space's origin was in world space when it was placed.
+    origin: DVec3,
     bvh: Arc<InstanceBvh>,
     numbers: Arc<[InstanceNumber]>,
     instance_count: u64,
@@ -57,7 +59,6 @@ pub struct Compiler {
     pending: Dirty,
     meshes: BTreeMap<MeshId, CompiledMesh>,
     top: Option<TopLevel>,
-    origin: DVec3,
     materials: BTreeMap<MaterialId, u32>,
     render_meshes: Arc<[RenderMesh]>,
     render_materials: Arc<[RenderMaterial]>,
@@ -82,18 +83,19 @@ impl Compiler {
         self.built
     }
 
-    /// Compiles what is dirty. New warnings go to `say`, each once.
+    /// Compiles what is dirty of a store, beside what an earlier call left. New warnings go to `say`, each once.
     ///
     /// # Errors
     /// Cancelled (then the next call goes on), or without a usable camera.
     pub fn compile(
         &mut self,
-        store: &mut SceneStore,
+        store: &SceneStore,
+        dirty: Dirty,
         film: &FilmDesc,
         cancel: &AtomicBool,
         say: &mut dyn FnMut(Message),
     ) -> Result<RenderScene, NoScene> {
-        merge(&mut self.pending, store.take_dirty());
+        merge(&mut self.pending, dirty);
         let mut warnings = Vec::new();
         let mut warn = |prim: &str, text: String| warnings.push(Message::warning(Some(prim), text));
         let result = self.update(store, film, cancel, &mut warn);
@@ -116,8 +118,6 @@ impl Compiler {
         let no_camera = |text: &str| NoScene::Unrenderable(Message::error(None, text));
         let camera = store.camera().ok_or_else(|| no_camera("no camera to look through"))?;
         let origin = render_origin(camera.world_from_camera.translation);
-        let moved = origin != self.origin;
-        self.origin = origin;
         let render_from_world = DAffine3::from_translation(-origin);
         let render_camera = RenderCamera::new(camera, film, render_from_world).ok_or_else(|| {
             no_camera("the camera cannot be looked through: its transform is singular, or its aperture is empty")
@@ -125,11 +125,11 @@ impl Compiler {
 
         self.compile_meshes(store, cancel, warn)?;
         let dirty = std::mem::take(&mut self.pending);
-        let meshes_dirty = |what: fn(&MeshDirty) -> bool| dirty.meshes.values().any(what);
-        let placed_anew = meshes_dirty(|d| d.topology || d.points || d.placement);
-        let top_stale = self.top.is_none() || moved || dirty.instancers || dirty.purposes || placed_anew;
+        let placed_anew = dirty.meshes.values().any(|d| d.topology || d.points || d.placement);
+        let elsewhere = self.top.as_ref().is_none_or(|top| top.origin != origin);
+        let top_stale = elsewhere || dirty.instancers || dirty.purposes || placed_anew;
         if top_stale {
-            self.place(store, render_from_world, warn);
+            self.place(store, origin, warn);
         }
         if !dirty.materials.is_empty() || self.render_materials.is_empty() {
             (self.materials, self.render_materials) = materials::compile(store.materials());
@@ -137,7 +137,7 @@ impl Compiler {
         if top_stale || !dirty.meshes.is_empty() || !dirty.materials.is_empty() {
             self.bind(store, warn);
         }
-        if !dirty.lights.is_empty() || moved || top_stale {
+        if !dirty.lights.is_empty() || top_stale {
             let bounds = self.top.as_ref().map(|t| t.bvh.bounds()).unwrap_or_default();
             self.light_set = Arc::new(self.lights.compile(store.lights(), render_from_world, bounds, warn));
         }
@@ -206,12 +206,20 @@ impl Compiler {
             };
             mesh.warnings.drain(..).for_each(|text| warn(id.path(), text));
             self.built.meshes += u64::from(built);
+            let left = self.pending.meshes.entry(id.clone()).or_insert(MeshDirty::ALL);
+            *left = MeshDirty {
+                placement: left.placement || built,
+                topology: false,
+                points: false,
+                attributes: false,
+                ..*left
+            };
             self.meshes.insert(id, mesh);
         }
         if cancelled { Err(NoScene::Cancelled) } else { Ok(()) }
     }
 
-    fn place(&mut self, store: &SceneStore, render_from_world: DAffine3, warn: &mut dyn FnMut(&str, String)) {
+    fn place(&mut self, store: &SceneStore, origin: DVec3, warn: &mut dyn FnMut(&str, String)) {
         let shown: Vec<instances::ShownMesh> = store
             .meshes()
             .iter()
@@ -221,9 +229,11 @@ impl Compiler {
             .enumerate()
             .map(|(index, (id, mesh, shape))| instances::ShownMesh { id, mesh, shape, index: index as u32 })
             .collect();
+        let render_from_world = DAffine3::from_translation(-origin);
         let placed = instances::place(&shown, store.instancers(), render_from_world, warn);
         self.built.top_level = true;
         self.top = Some(TopLevel {
+            origin,
             bvh: Arc::new(placed.top),
             numbers: placed.numbers.into(),
             instance_count: placed.instance_count,

@@ -41,6 +41,18 @@ impl FilmDesc {
             clear_color: [0.0; 4],
         }
     }
+    /// The same with what is not a number, or no shape, replaced by what a host that says nothing gets.
+    pub(crate) fn sanitized(self) -> Self {
+        let finite = |v: f32| if v.is_finite() { v } else { 0.0 };
+        let usable = |[x0, y0, x1, y1]: &[f64; 4]| [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x1 > x0 && y1 > y0;
+        let aspect = self.pixel_aspect;
+        Self {
+            display_window: self.display_window.filter(usable),
+            pixel_aspect: if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 },
+            clear_color: self.clear_color.map(finite),
+            ..self
+        }
+    }
     /// The camera's view, in pixels.
     pub fn view(&self) -> [f64; 4] {
         self.display_window.unwrap_or([0.0, 0.0, self.width as f64, self.height as f64])

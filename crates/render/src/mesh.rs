@@ -78,7 +78,11 @@ impl RenderMesh {
     pub fn may_be_absent(&self, materials: &[RenderMaterial]) -> bool {
         let absent = |material: u32| match materials.get(material as usize) {
             Some(material) if material.lobes.is_some() => material.presence < 1.0,
-            _ => self.attributes.display_opacity.as_ref().is_some_and(|a| a.values().iter().any(|o| *o < 1.0)),
+            _ => self
+                .attributes
+                .display_opacity
+                .as_ref()
+                .is_some_and(|a| a.values().iter().any(|o| o.is_nan() || *o < 1.0)),
         };
         match &self.face_materials {
             Some(faces) => faces.iter().any(|m| absent(*m)),

@@ -43,31 +43,35 @@ const MAX_PASSES: u32 = 1024;
 impl RenderScene {
     /// The nearest surface on a ray that is there. `chance(n)` gives the n-th number in [0, 1) that
     /// decides about partly present surfaces. Counts rays.
-    pub fn closest_hit(&self, mut ray: Ray, rays: &mut u64, mut chance: impl FnMut(u32) -> f32) -> Option<Hit> {
+    pub fn closest_hit(&self, ray: Ray, rays: &mut u64, chance: impl FnMut(u32) -> f32) -> Option<Hit> {
+        self.first_hit(ray, rays, chance, |_, _| true)
+    }
+
+    /// As [`closest_hit`](Self::closest_hit), for a camera ray: culled faces are looked through.
+    pub fn camera_hit(&self, ray: Ray, rays: &mut u64, chance: impl FnMut(u32) -> f32) -> Option<Hit> {
+        self.first_hit(ray, rays, chance, |hit, direction| !self.culls(hit, direction))
+    }
+
+    /// The nearest surface that is there and `seen`.
+    fn first_hit(
+        &self,
+        mut ray: Ray,
+        rays: &mut u64,
+        mut chance: impl FnMut(u32) -> f32,
+        seen: impl Fn(&Hit, Vector3) -> bool,
+    ) -> Option<Hit> {
         for pass in 0..MAX_PASSES {
             *rays += 1;
             let hit = self.top.closest_hit(&ray)?;
-            if !self.partly_present {
-                return Some(hit);
-            }
-            let presence = surface::presence(self, &hit);
-            if presence >= 1.0 || presence > 0.0 && chance(pass) < presence {
-                return Some(hit);
+            if seen(&hit, ray.direction) {
+                let presence = if self.partly_present { surface::presence(self, &hit) } else { 1.0 };
+                if presence >= 1.0 || presence > 0.0 && chance(pass) < presence {
+                    return Some(hit);
+                }
             }
             ray.t_min = hit.t;
         }
         None
-    }
-
-    /// As [`closest_hit`](Self::closest_hit), for a camera ray: culled faces are looked through.
-    pub fn camera_hit(&self, mut ray: Ray, rays: &mut u64, mut chance: impl FnMut(u32) -> f32) -> Option<Hit> {
-        loop {
-            let hit = self.closest_hit(ray, rays, &mut chance)?;
-            if !self.culls(&hit, ray.direction) {
-                return Some(hit);
-            }
-            ray.t_min = hit.t;
-        }
     }
 
     fn culls(&self, hit: &Hit, direction: Vector3) -> bool {

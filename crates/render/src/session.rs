@@ -36,6 +36,7 @@ impl Session {
         let for_thread = Arc::clone(&shared);
         let thread = std::thread::Builder::new().name("umber-render".into()).spawn(move || worker::run(&for_thread));
         if let Err(error) = &thread {
+            shared.give_up();
             shared.say(Message::error(None, format!("no render thread could be started: {error}")));
         }
         Self { shared, thread: thread.ok() }
@@ -56,7 +57,7 @@ impl Session {
     /// Sets size and content of the picture. True where it is another one than before: then the old
     /// samples are forgotten.
     pub fn set_film(&self, desc: FilmDesc) -> bool {
-        self.shared.set_film(desc)
+        self.shared.set_film(desc.sanitized())
     }
 
     /// Renders on: from the first sample where anything changed, else from where it stands.
@@ -80,7 +81,7 @@ impl Session {
         self.shared.is_paused()
     }
 
-    /// Forgets all samples; [`start`](Self::start) then begins anew.
+    /// Stops without waiting and forgets all samples; [`start`](Self::start) then begins anew.
     pub fn restart(&self) {
         self.shared.restart();
     }

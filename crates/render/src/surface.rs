@@ -112,7 +112,8 @@ pub fn presence(scene: &RenderScene, hit: &Hit) -> f32 {
         Some(material) if material.lobes.is_some() => material.presence,
         _ => {
             let opacity = mesh.attributes.display_opacity.as_ref();
-            opacity.map_or(1.0, |o| o.eval(&mesh.shape.mesh, hit.triangle, hit.barycentrics))
+            let opacity = opacity.map_or(1.0, |o| o.eval(&mesh.shape.mesh, hit.triangle, hit.barycentrics));
+            if opacity.is_nan() { 0.0 } else { opacity.clamp(0.0, 1.0) }
         }
     }
 }

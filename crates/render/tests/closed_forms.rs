@@ -95,6 +95,23 @@ fn opacity_is_presence() {
     assert!((coverage - want).abs() < 0.01, "{coverage}, not {want}");
 }
 
+/// An opacity below zero, or none at all, is zero: the face under the box is as bright as without it.
+#[test]
+fn opacity_out_of_range_amplifies_nothing() {
+    for value in [-3.0, f32::NAN] {
+        let session = session(3.0, 64, &[Aov::Color]);
+        let opacity = umber_scene::Primvar {
+            interpolation: umber_scene::Interpolation::Constant,
+            values: umber_scene::PrimvarValues::Float([value].into()),
+        };
+        let primvars = [("displayOpacity".into(), Some(opacity))].into();
+        session.edit(mesh("/veil", MeshPatch { primvars, ..cube() })).unwrap();
+        session.edit(SceneEdit::Light(LightId::new("/dome"), Light::new(LightKind::Dome { texture: None }))).unwrap();
+        finish(&session);
+        assert!(color(&session).iter().all(|p| *p == [1.0; 4]), "{value}: {:?}", color(&session)[300]);
+    }
+}
+
 /// A rect light fills the picture: its front is seen with its radiance, its back not at all.
 #[test]
 fn a_rect_light_has_one_side() {

@@ -199,3 +199,50 @@ fn stop_answers_while_rendering() {
         std::thread::sleep(Duration::from_millis(1));
     }
 }
+
+/// Render space moves with the camera; a camera that cannot be looked through in between loses nothing.
+#[test]
+fn a_camera_that_goes_far_by_a_broken_one() {
+    let session = session(4.0, 1, &[Aov::PrimId]);
+    let far = Some(DAffine3::from_translation(DVec3::new(0.0, 0.0, 20_000.0)));
+    session.edit(mesh("/box", MeshPatch { transform: far, ..cube() })).unwrap();
+    finish(&session);
+    assert!(ids(&session, Aov::PrimId).iter().all(|id| *id == -1));
+    let SceneEdit::Camera(id, good) = camera_at(20_004.0) else { unreachable!() };
+    let broken = umber_scene::Camera { aperture: umber_math::DVec2::ZERO, ..good.clone() };
+    session.edit(SceneEdit::Camera(id.clone(), broken)).unwrap();
+    finish(&session);
+    assert_messages(&session, &["aperture"]);
+    session.edit(SceneEdit::Camera(id, good)).unwrap();
+    finish(&session);
+    assert!(ids(&session, Aov::PrimId).contains(&7));
+}
+
+#[test]
+fn nothing_is_waited_for_that_nobody_renders() {
+    let session = session(4.0, 1, &[Aov::Color]);
+    finish(&session);
+    session.edit(mesh("/box", cube())).unwrap();
+    assert!(!session.wait(Duration::from_secs(60)) && !session.is_converged());
+    session.set_film(FilmDesc::new(0, 0, &[Aov::Color]));
+    finish(&session);
+    assert_messages(&session, &[]);
+}
+
+#[test]
+fn instancers_in_a_circle_are_named() {
+    let session = session(4.0, 1, &[Aov::Color]);
+    for (id, parent) in [("/a", "/b"), ("/b", "/a")] {
+        let patch = InstancerPatch {
+            parent: Some(Some(InstancerId::new(parent))),
+            parent_indices: Some([0].into()),
+            transforms: Some([DAffine3::IDENTITY].into()),
+            ..InstancerPatch::default()
+        };
+        session.edit(SceneEdit::Instancer(InstancerId::new(id), patch)).unwrap();
+    }
+    let instanced = Some(Some(InstancerId::new("/a")));
+    session.edit(mesh("/m", MeshPatch { instancer: instanced, instance_indices: Some([0].into()), ..cube() })).unwrap();
+    finish(&session);
+    assert_messages(&session, &["</a>: its parents lead back"]);
+}

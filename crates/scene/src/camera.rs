@@ -29,7 +29,7 @@ pub enum ConformPolicy {
 }
 
 /// A camera. It looks along -Z with +Y up.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Camera {
     /// World from camera, as authored. A scale stretches the view as it stretches a model.
     pub world_from_camera: DAffine3,
@@ -46,6 +46,24 @@ pub struct Camera {
     pub clipping_range: [f32; 2],
     /// What happens where the aperture's shape is not the picture's.
     pub conform_policy: ConformPolicy,
+}
+
+/// Bit by bit: a NaN that a host repeats at every redraw is no change.
+impl PartialEq for Camera {
+    fn eq(&self, o: &Self) -> bool {
+        (self.projection, self.conform_policy) == (o.projection, o.conform_policy)
+            && self.world_from_camera.to_cols_array().map(f64::to_bits)
+                == o.world_from_camera.to_cols_array().map(f64::to_bits)
+            && self.lens().map(f64::to_bits) == o.lens().map(f64::to_bits)
+    }
+}
+
+impl Camera {
+    fn lens(&self) -> [f64; 7] {
+        let [near, far] = self.clipping_range.map(f64::from);
+        let (a, o) = (self.aperture, self.aperture_offset);
+        [a.x, a.y, o.x, o.y, self.focal_length, near, far]
+    }
 }
 
 impl Default for Camera {
@@ -102,6 +120,13 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_repeated_nan_is_no_change() {
+        let broken = || Camera { focal_length: f64::NAN, ..Camera::default() };
+        assert_eq!(broken(), broken());
+        assert_ne!(broken(), Camera::default());
+    }
 
     #[test]
     fn conform_policies() {

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// What all edits so far add up to, and what of it changed since [`SceneStore::take_dirty`].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SceneStore {
     meshes: BTreeMap<MeshId, Mesh>,
     instancers: BTreeMap<InstancerId, Instancer>,

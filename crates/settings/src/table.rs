@@ -54,7 +54,7 @@ settings! {
     enable_interactive: bool = true, "enableInteractive", None,
         "Interactive", "Show every pass as soon as it is done; off: fewer, larger passes for final frames.";
     dome_light_camera_visibility: bool = true, "domeLightCameraVisibility", None,
-        "Dome Light Camera Visibility", "Whether the camera sees dome lights in the background.";
+        "Dome Light Camera Visibility", "Whether the camera sees dome lights, and the disks of distant ones, in the background.";
     max_bounces: u32 = 8, "umber:maxBounces", Some((0.0, 1024.0)),
         "Max Bounces", "Scattering events a path may have; 0 shows emission alone, 1 direct light.";
     roulette_bounces: u32 = 3, "umber:rouletteBounces", Some((0.0, 1024.0)),

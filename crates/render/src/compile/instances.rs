@@ -89,6 +89,12 @@ pub fn place(
         top.extend(instances);
         placer.instance_count += count;
     }
+    for (id, lost) in std::mem::take(&mut placer.prototypes) {
+        let meshes: usize = lost.values().map(|prototype| prototype.meshes.len()).sum();
+        if meshes > 0 && instancers.get(id).is_none_or(|i| i.visible) && placer.in_a_circle(id) {
+            (placer.say)(id.path(), format!("its parents lead back to it: its {meshes} meshes are not shown"));
+        }
+    }
     for instance in &mut top {
         instance.parent_from_child = render_from_world * instance.parent_from_child;
     }
@@ -110,6 +116,17 @@ fn build(instances: Vec<Instance>, of: &str, say: &mut dyn FnMut(&str, String)) 
 }
 
 impl<'a> Placer<'a> {
+    /// Whether an instancer's parents never end.
+    fn in_a_circle(&self, id: &InstancerId) -> bool {
+        let parent = |id: &InstancerId| self.instancers.get(id).and_then(|i| i.parent.clone());
+        let mut next = parent(id);
+        for _ in 0..=self.instancers.len() {
+            let Some(id) = next else { return false };
+            next = parent(&id);
+        }
+        true
+    }
+
     fn number(&mut self, position: usize, count: usize) -> u32 {
         self.numbers.push(InstanceNumber { position: position as u32, count: count as u32 });
         (self.numbers.len() - 1) as u32

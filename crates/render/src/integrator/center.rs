@@ -6,7 +6,7 @@ use crate::film::CenterHit;
 use crate::scene::RenderScene;
 use crate::surface::{self, SurfaceInteraction};
 
-/// Traces the ray through the middle of a film pixel. Surfaces at least half there count.
+/// Traces the ray through the middle of a film pixel. Surfaces that are more than half there count.
 pub fn trace(scene: &RenderScene, pixel: [usize; 2], rays: &mut u64) -> Option<CenterHit> {
     let ray = scene.camera.ray(Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5));
     let hit = scene.camera_hit(ray, rays, |_| 0.5)?;

@@ -17,6 +17,8 @@ pub(super) struct Control {
     shut_down: bool,
     /// A job is under way.
     busy: bool,
+    /// No thread takes up jobs.
+    no_thread: bool,
     /// Counts restarts.
     epoch: u64,
     /// Last restart whose picture is finished.
@@ -128,7 +130,13 @@ impl Shared {
     pub fn restart(&self) {
         let mut control = lock(&self.control);
         control.epoch += 1;
+        control.running = false;
         self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// There is no render thread: nothing is ever to be waited for.
+    pub fn give_up(&self) {
+        lock(&self.control).no_thread = true;
     }
 
     pub fn shut_down(&self) {
@@ -148,13 +156,17 @@ impl Shared {
     pub fn is_converged(&self) -> bool {
         let stale = self.store().dirty().any();
         let control = lock(&self.control);
-        !stale && control.finished == Some(control.epoch)
+        control.no_thread || !stale && control.finished == Some(control.epoch)
     }
 
     pub fn wait(&self, timeout: Duration) -> bool {
         let deadline = Instant::now() + timeout;
+        if self.store().dirty().any() && !lock(&self.control).running {
+            // nobody is going to render what was said: there is nothing to wait for
+            return false;
+        }
         let mut control = lock(&self.control);
-        while control.finished != Some(control.epoch) {
+        while control.finished != Some(control.epoch) && !control.no_thread {
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return false;

@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use umber_scene::SceneStore;
 use umber_settings::Settings;
 
 use super::control::{Job, Shared};
@@ -64,7 +63,7 @@ struct Picture {
 impl Worker {
     /// True where the picture is finished, false where the job was cancelled.
     fn work(&mut self, shared: &Shared, job: &Job) -> bool {
-        let Some(desc) = &job.desc else { return true };
+        let Some(desc) = job.desc.as_ref().filter(|desc| desc.width > 0 && desc.height > 0) else { return true };
         if self.picture.as_ref().is_none_or(|picture| picture.epoch != job.epoch) {
             match self.begin(shared, desc, job.epoch) {
                 Ok(picture) => self.picture = Some(picture),
@@ -88,11 +87,14 @@ impl Worker {
         // the old picture goes first: its film and scene need not stand beside the new ones
         self.picture = None;
         let started = Instant::now();
-        let mut store = shared.store();
-        let store: &mut SceneStore = &mut store;
+        // the bulk of a store is shared: the host goes on editing its own while this one is compiled
+        let (store, dirty) = {
+            let mut store = shared.store();
+            (store.clone(), store.take_dirty())
+        };
         let pool = self.pool(store.settings())?;
         let compiler = &mut self.compiler;
-        let compile = || compiler.compile(store, desc, shared.cancelled(), &mut |message| shared.say(message));
+        let compile = || compiler.compile(&store, dirty, desc, shared.cancelled(), &mut |message| shared.say(message));
         let scene = pool.install(compile)?;
         let film = Arc::new(Film::new(desc.clone()));
         let order = film.tile_order();
