@@ -22,7 +22,7 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits 
         if (*dirtyBits & DirtyTransform) {
             _light->set_transform(HdUmberMatrix(delegate->GetTransform(GetId())));
         }
-        if (*dirtyBits & (DirtyParams | DirtyResource)) {
+        if (*dirtyBits & ~DirtyTransform) {
             _light->set_visible(delegate->GetVisible(GetId()));
             _SyncParameters(delegate);
         }

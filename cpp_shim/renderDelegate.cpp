@@ -198,11 +198,11 @@ HdRprim *HdUmberRenderDelegate::CreateRprim(TfToken const &typeId, SdfPath const
 HdSprim *HdUmberRenderDelegate::CreateSprim(TfToken const &typeId, SdfPath const &id)
 {
     HdSprim *sprim = nullptr;
-    rust::Str const path = HdUmberText(id);
-    auto const light = [&](umber::LightType type) {
-        return new HdUmberLight(id, umber::new_light(*_delegate, path, type));
-    };
     HdUmberForward(id, [&] {
+        rust::Str const path = HdUmberText(id);
+        auto const light = [&](umber::LightType type) {
+            return new HdUmberLight(id, umber::new_light(*_delegate, path, type));
+        };
         if (typeId == HdPrimTypeTokens->camera) {
             sprim = new HdUmberCamera(id, umber::new_camera(*_delegate, path));
         } else if (typeId == HdPrimTypeTokens->material) {

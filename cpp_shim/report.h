@@ -8,6 +8,8 @@
 #include "pxr/pxr.h"
 #include "pxr/usd/sdf/path.h"
 
+#include <exception>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// Posts a failed call into Rust as a Tf error that names the prim.
@@ -24,7 +26,8 @@ bool HdUmberForward(SdfPath const &id, Calls &&calls)
     try {
         calls();
         return true;
-    } catch (rust::Error const &error) {
+    } catch (std::exception const &error) {
+        // rust::Error, and what cxx throws for text that is not UTF-8
         HdUmberReportFailure(id, error.what());
         return false;
     }

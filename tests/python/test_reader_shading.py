@@ -105,6 +105,42 @@ def test_connected_inputs_take_the_fallback_and_are_named(read: Read) -> None:
     assert named == ["emissiveColor", "metallic", "ior"] and len(scene.warnings) == 3
 
 
+@pytest.mark.parametrize(
+    ("statement", "field", "kept"),
+    [
+        ("float inputs:diffuseColor = 0.5", "diffuse_color", (0.18,) * 3),
+        ("color3f inputs:roughness = (1, 1, 1)", "roughness", 0.5),
+        ('string inputs:roughness = "rough"', "roughness", 0.5),
+    ],
+)
+def test_inputs_of_the_wrong_type_are_named(read: Read, statement: str, field: str, kept: object) -> None:
+    surface = read(
+        """
+        def Material "mat" {
+            token outputs:surface.connect = </mat/surface.outputs:surface>
+            def Shader "surface" {
+                uniform token info:id = "UsdPreviewSurface"
+                STATEMENT
+                token outputs:surface
+            }
+        }
+        def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) { SQUARE
+            rel material:binding = </mat>
+        }
+        """.replace("STATEMENT", statement)
+    )
+    preview = surface.materials["/mat"].surface
+    assert preview is not None
+    assert getattr(preview, field) == pytest.approx(kept)
+    assert any("</mat/surface>" in text and "ignored" in text for text in surface.warnings)
+
+
+def test_a_lens_that_is_no_number_still_has_a_picture() -> None:
+    camera = Gf.Camera()
+    camera.horizontalAperture = float("nan")
+    assert free_camera.image_height(64, camera) == 64
+
+
 def test_unknown_surfaces_are_named(read: Read) -> None:
     scene = read(MATERIAL.replace("UsdPreviewSurface", "FancySurface"))
     assert scene.materials["/mat"].surface is None

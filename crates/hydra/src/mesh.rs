@@ -112,6 +112,7 @@ impl Mesh {
             _ => {
                 let text = format!("primvar '{name}' is ignored: {components} components, {spread:?} interpolation");
                 self.host.say(Message::warning(Some(self.id.path()), text));
+                self.say_primvar(name, None);
             }
         })
     }

@@ -10,19 +10,21 @@ use anyhow::{Context, Result, ensure};
 
 use crate::{process, workspace};
 
-/// An interpreter on the search path of version `major.minor`, by its full path.
+/// An interpreter on the search path of one of the versions `major.minor`, by its full path.
 ///
 /// # Errors
 /// There is none.
-pub fn interpreter(version: &str) -> Result<PathBuf> {
-    let found = [format!("python{version}"), "python3".into(), "python".into()].into_iter().find_map(|name| {
+pub fn interpreter(versions: &[&str]) -> Result<PathBuf> {
+    let own = versions.iter().map(|version| format!("python{version}"));
+    let found = ["python3".into(), "python".into()].into_iter().chain(own).find_map(|name: String| {
         let ask = "import sys; print('%d.%d' % sys.version_info[:2]); print(sys.executable)";
         let said = process::quiet(Command::new(name).args(["-c", ask])).ok()?;
         let (has, path) = said.trim().split_once('\n')?;
-        (has == version).then(|| PathBuf::from(path))
+        versions.contains(&has).then(|| PathBuf::from(path))
     });
     found.with_context(|| {
-        format!("Python {version} is needed and not on the search path: install it (with its headers and venv).")
+        let versions = versions.join(" or ");
+        format!("Python {versions} is needed and not on the search path: install it (with its headers and venv).")
     })
 }
 
@@ -53,15 +55,15 @@ impl Venv {
         Self { dir }
     }
 
-    /// An environment `name` of the target folder, made with an interpreter of `version`, that holds what
+    /// An environment `name` of the target folder, made with an interpreter of one of the `versions`, that holds what
     /// the file `requirements` (from the repository's root) pins.
     ///
     /// # Errors
     /// No such interpreter, or an installation failed.
-    pub fn in_target(name: &str, version: &str, requirements: &str) -> Result<Self> {
+    pub fn in_target(name: &str, versions: &[&str], requirements: &str) -> Result<Self> {
         let venv = Self::at(workspace::target().join("venv").join(name));
         if !venv.python().exists() {
-            venv.create(&interpreter(version)?)?;
+            venv.create(&interpreter(versions)?)?;
         }
         venv.require(requirements)?;
         Ok(venv)

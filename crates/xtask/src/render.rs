@@ -106,12 +106,15 @@ pub fn usd_core_venv() -> Result<Venv> {
     Ok(venv)
 }
 
+/// Versions of Python that usd-core and all that is pinned beside it have packages for.
+const PYTHONS: [&str; 3] = ["3.11", "3.12", "3.13"];
+
 /// The environment of the usd-core front end as the package index gives it: its tools, without our package.
 ///
 /// # Errors
 /// No Python, or a package that cannot be had.
 pub fn tools_venv() -> Result<Venv> {
-    Venv::in_target("usd-core", "3.11", "tests/requirements.txt")
+    Venv::in_target("usd-core", &PYTHONS, "tests/requirements.txt")
 }
 
 /// The wheel built last.

@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let tree = headers::SourceTree::open(&arguments.headers, version)?;
-    let python = python::interpreter(version.python)?;
+    let python = python::interpreter(&[version.python])?;
     python::include(&python)?;
 
     fs::create_dir_all(&cache).with_context(|| cache.display().to_string())?;

@@ -76,7 +76,7 @@ impl UsdBuild {
         let Some(sdk) = &self.sdk else {
             let ask = "import sys; print('%d.%d' % sys.version_info[:2])";
             let version = crate::process::quiet(Command::new("python3").args(["-c", ask]))?;
-            return Venv::in_target("hosts", version.trim(), HOST_REQUIREMENTS);
+            return Venv::in_target("hosts", &[version.trim()], HOST_REQUIREMENTS);
         };
         let venv = sdk.venv();
         venv.require(HOST_REQUIREMENTS)?;

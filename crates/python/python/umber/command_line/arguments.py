@@ -146,9 +146,16 @@ def _add_diagnostics(made: argparse.ArgumentParser) -> None:
     made.add_argument("--memstats", action="store_true", help="Account for USD's memory, where it supports that.")
 
 
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{value} is less than 1")
+    return value
+
+
 def _add_own_arguments(made: argparse.ArgumentParser) -> None:
     own = made.add_argument_group("beyond usdrecord")
-    own.add_argument("--imageHeight", type=int, help="Height of the output image, in place of the camera's aspect.")
+    own.add_argument("--imageHeight", type=_positive, help="Height of the output image, in place of the camera's aspect.")
     own.add_argument(
         "--set",
         dest="settings",

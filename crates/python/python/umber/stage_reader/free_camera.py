@@ -47,7 +47,7 @@ def frame_stage(stage: Usd.Stage, time: Usd.TimeCode, purposes: list[str]) -> Gf
 def image_height(width: int, camera: Gf.Camera) -> int:
     """Rows of a picture of `width` columns with the camera's aspect ratio."""
     aspect = np.float32(camera.aspectRatio)
-    if abs(float(aspect)) < 1e-4:
+    if not math.isfinite(aspect) or abs(float(aspect)) < 1e-4:
         aspect = np.float32(1.0)
     return max(int(np.float32(width) / aspect), 1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from pxr import Gf, UsdShade
+from pxr import UsdShade
 
 from umber.description import Material, PreviewSurface
 from umber.stage_reader.reading import Reading, single
@@ -40,8 +40,13 @@ def read_material(reading: Reading, material: UsdShade.Material) -> Material:
     surface = PreviewSurface()
     for row in fields(surface):
         value = _constant(reading, shader, INPUTS[row.name])
-        if value is not None:
+        if value is None:
+            continue
+        try:
             setattr(surface, row.name, _convert(value, getattr(surface, row.name)))
+        except (TypeError, ValueError):
+            kind = type(value).__name__
+            reading.warn(shader.GetPrim(), f"input '{INPUTS[row.name]}' is ignored: it cannot be {value} ({kind})")
     if surface.opacity_mode not in ("transparent", "presence"):
         reading.warn(shader.GetPrim(), f"opacityMode '{surface.opacity_mode}' is not known; taken as 'transparent'")
         surface.opacity_mode = "transparent"
@@ -53,7 +58,9 @@ def _convert(value: Any, like: Any) -> Any:  # noqa: ANN401
     if isinstance(like, bool):
         return bool(value)
     if isinstance(like, tuple):
-        return tuple(single(v) for v in value)
+        if len(value) < len(like):
+            raise ValueError(f"{len(like)} components are wanted")
+        return tuple(single(v) for v in value[: len(like)])
     return str(value) if isinstance(like, str) else single(value)
 
 
@@ -81,6 +88,6 @@ def _fallback(reading: Reading, source: UsdShade.Shader, output: str) -> Any:  #
     given = source.GetInput("fallback")
     value = given.Get(reading.time) if given else None
     channel = {"r": 0, "g": 1, "b": 2, "a": 3}.get(output)
-    if isinstance(value, Gf.Vec4f):
-        return value[channel] if channel is not None else Gf.Vec3f(*value[:3])
-    return value
+    if value is None or channel is None or not hasattr(value, "__len__"):
+        return value
+    return value[channel] if channel < len(value) else None

@@ -27,7 +27,10 @@ def read_stage(
     found = walk(reading)
     yield from found.instancers
     for prim, space in found.lights:
-        yield from read_light(reading, prim, space)
+        try:
+            yield from read_light(reading, prim, space)
+        except (TypeError, ValueError) as error:
+            reading.warn(prim, f"the light is left out: {error}")
     materials = _bound_materials(reading, found)
     for path in sorted({path for path in materials.values() if path is not None}):
         yield read_material(reading, UsdShade.Material(stage.GetPrimAtPath(path)))
