@@ -15,7 +15,6 @@ pub(crate) const FAR_SLACK: f32 = 1.0 + 4.0 * gamma(3);
 #[derive(Clone, Copy)]
 pub(crate) struct TraversalRay {
     pub sheared: ShearedRay,
-    pub direction: Vec3,
     /// One over the direction; infinite where that is zero.
     pub inverse: Vec3,
     /// Which plane of each axis the ray meets first: 0 the smaller, 1 the larger.
@@ -33,7 +32,7 @@ impl TraversalRay {
         let inverse = direction.recip();
         let near = direction.to_array().map(|d| usize::from(d.is_sign_negative()));
         let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
-        Some(Self { sheared, direction, inverse, near, t_min })
+        Some(Self { sheared, inverse, near, t_min })
     }
 
     /// A component of the origin.
@@ -47,7 +46,7 @@ impl TraversalRay {
     #[inline]
     pub fn transformed(&self, child_from_parent: &DAffine3) -> Option<Self> {
         let origin = child_from_parent.transform_point3(self.sheared.origin.as_dvec3()).as_vec3();
-        let direction = child_from_parent.transform_vector3(self.direction.as_dvec3()).as_vec3();
+        let direction = child_from_parent.transform_vector3(self.sheared.direction.as_dvec3()).as_vec3();
         let (origin, direction) = (Point3(origin), Vector3(direction));
         Self::new(&Ray { origin, direction, t_min: self.t_min, t_max: f32::INFINITY })
     }

@@ -2,13 +2,27 @@
 //!
 //! Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection". Every vectorised test does
 //! the same operations in the same order, without contraction, and so finds the same hits bit for bit.
+//!
+//! A hit that may lie on either side of the ray's origin, by the rounding of the test, is decided in
+//! double precision from the triangle itself. So a ray that starts on the right side of a triangle's
+//! plane, by however little, never meets it, and one that starts before it does: what leaves a surface
+//! needs to clear the rounding of its own origin and nothing else.
 
 use glam::{DVec3, Vec3};
-use umber_math::{Point3, Ray, float::gamma};
+use umber_math::{Point3, Ray, float::MACHINE_EPSILON};
 
 /// Below and above these magnitudes of the determinant, single precision may have lost digits to
 /// underflow or overflow: the test is done over in double precision.
 pub const DETERMINANT_RANGE: std::ops::RangeInclusive<f32> = 1e-30..=1e30;
+
+/// How far the parameter `t` of a hit may be off, in parts: of the triangle's depth, and of the spread of its
+/// vertices' depths times `reach² / |det|`. 138 roundings, by a count of the operations, made 256.
+///
+/// The hit may be on either side of the ray's origin where
+/// `|t| · |det| ≤ DEPTH_ERROR · (depth · |det| + spread · reach²)`, with the largest magnitude of the
+/// vertices' depths, their largest difference, and the largest magnitude of all their coordinates in the
+/// ray's space; depths as scaled to `t`.
+pub const DEPTH_ERROR: f32 = 256.0 * MACHINE_EPSILON;
 
 /// A hit of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +38,8 @@ pub struct TriangleHit {
 pub struct ShearedRay {
     /// Origin of the ray.
     pub origin: Vec3,
+    /// Direction of the ray.
+    pub direction: Vec3,
     /// Axes that become x, y and z; z is the one along which the direction is longest.
     pub axes: [usize; 3],
     /// Shear in x and y, and scale in z.
@@ -47,7 +63,8 @@ impl ShearedRay {
             [0, 1, 2]
         };
         let z = d[axes[2]];
-        Some(Self { origin: o, axes, shear: Vec3::new(d[axes[0]] / z, d[axes[1]] / z, 1.0 / z) })
+        let shear = Vec3::new(d[axes[0]] / z, d[axes[1]] / z, 1.0 / z);
+        Some(Self { origin: o, direction: d, axes, shear })
     }
 
     /// The hit with a triangle, seen from either side, for which `t_min < t < t_max`.
@@ -65,28 +82,49 @@ impl ShearedRay {
             return None;
         }
         let det = (u + v) + w;
-        if u == 0.0 || v == 0.0 || w == 0.0 || !DETERMINANT_RANGE.contains(&det.abs()) {
-            let [a, b, c] = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(|p| Vec3::from(p).as_dvec3());
-            return intersect_double(a, b, c, t_min, t_max);
-        }
-        let inverse = 1.0 / det;
-        let (b0, b1, b2) = (u * inverse, v * inverse, w * inverse);
-        let t = (b0 * az + b1 * bz) + b2 * cz;
-        (t > t_min && t < t_max).then_some(TriangleHit { t, barycentrics: [b0, b1, b2] })
+        let scale = self.shear.z;
+        let (barycentrics, t) = if u == 0.0 || v == 0.0 || w == 0.0 || !DETERMINANT_RANGE.contains(&det.abs()) {
+            in_double([(ax, ay, scale * az), (bx, by, scale * bz), (cx, cy, scale * cz)])?
+        } else {
+            let inverse = 1.0 / det;
+            let [b0, b1, b2] = [u * inverse, v * inverse, w * inverse];
+            ([b0, b1, b2], (b0 * (scale * az) + b1 * (scale * bz)) + b2 * (scale * cz))
+        };
+        let depth = az.abs().max(bz.abs()).max(cz.abs());
+        let reach = [ax, ay, bx, by, cx, cy].into_iter().fold(depth, |m: f32, x| m.max(x.abs()));
+        let spread = az.max(bz).max(cz) - az.min(bz).min(cz);
+        let unsure = (DEPTH_ERROR * scale.abs()) * (depth * det.abs() + spread * (reach * reach));
+        let t = if t.abs() * det.abs() <= unsure { self.plane_parameter([p0, p1, p2]) } else { t };
+        // A determinant of zero, or a vertex that is not finite, makes `t` NaN: no hit.
+        (t > t_min && t < t_max).then_some(TriangleHit { t, barycentrics })
     }
 
-    /// A point in the ray's space: the ray starts at zero and goes along z, which is `t`.
+    /// A point in the ray's space, where the ray starts at zero and goes along z; z is not yet scaled to `t`.
     #[inline]
     fn sheared(&self, p: Point3) -> (f32, f32, f32) {
         let q = p.0 - self.origin;
         let [kx, ky, kz] = self.axes;
-        (q[kx] - self.shear.x * q[kz], q[ky] - self.shear.y * q[kz], self.shear.z * q[kz])
+        (q[kx] - self.shear.x * q[kz], q[ky] - self.shear.y * q[kz], q[kz])
+    }
+
+    /// Where the ray meets a triangle's plane, in double precision from the vertices as they are; within the
+    /// triangle's own depths, where it is seen edge-on and the plane is met somewhere else.
+    fn plane_parameter(&self, triangle: [Point3; 3]) -> f32 {
+        let direction = self.direction.as_dvec3();
+        let [a, b, c] = triangle.map(|p| p.0.as_dvec3() - self.origin.as_dvec3());
+        let n = (b - a).cross(c - a);
+        let depths = [a, b, c].map(|p| p[self.axes[2]] / direction[self.axes[2]]);
+        let low = depths[0].min(depths[1]).min(depths[2]);
+        let high = depths[0].max(depths[1]).max(depths[2]);
+        // What is not a number becomes the lower end.
+        (n.dot(a) / n.dot(direction)).max(low).min(high) as f32
     }
 }
 
-/// The rest of the test in double precision, from the same sheared vertices.
+/// Barycentrics and parameter in double precision, from the same sheared vertices; none where it is outside.
 #[cold]
-fn intersect_double(a: DVec3, b: DVec3, c: DVec3, t_min: f32, t_max: f32) -> Option<TriangleHit> {
+fn in_double(vertices: [(f32, f32, f32); 3]) -> Option<([f32; 3], f32)> {
+    let [a, b, c] = vertices.map(|p| Vec3::from(p).as_dvec3());
     let u = c.x * b.y - c.y * b.x;
     let v = a.x * c.y - a.y * c.x;
     let w = b.x * a.y - b.y * a.x;
@@ -95,20 +133,39 @@ fn intersect_double(a: DVec3, b: DVec3, c: DVec3, t_min: f32, t_max: f32) -> Opt
     }
     let det = u + v + w;
     let (b0, b1, b2) = (u / det, v / det, w / det);
-    let t = (b0 * a.z + b1 * b.z + b2 * c.z) as f32;
-    // A determinant of zero, or a vertex that is not finite, makes `t` NaN: no hit.
-    (t > t_min && t < t_max).then_some(TriangleHit { t, barycentrics: [b0 as f32, b1 as f32, b2 as f32] })
+    Some(([b0 as f32, b1 as f32, b2 as f32], (b0 * a.z + b1 * b.z + b2 * c.z) as f32))
 }
 
-/// The point at barycentric coordinates, and a bound of its absolute error in each axis.
+/// The point at barycentric coordinates, and by how far in each axis a ray that leaves it must clear it.
 ///
-/// pbrt-v4 section 6.8.5: `γ(7)` times the sum of the terms' magnitudes.
+/// Put together in double precision from one corner and two edges, so that rounded barycentrics move it
+/// within the plane alone; what remains is its own rounding, whatever the triangle's size. Only next to an
+/// edge, where the test cannot tell on which neighbour a point is, the ray must also clear the rounding of
+/// where that edge is, which is relative to the triangle's extent: there the point is moved that much into
+/// the triangle, and is to be cleared by as much.
 #[inline]
 pub fn hit_point(p0: Point3, p1: Point3, p2: Point3, barycentrics: [f32; 3]) -> (Point3, Vec3) {
-    let [b0, b1, b2] = barycentrics;
-    let (x, y, z) = (p0.0 * b0, p1.0 * b1, p2.0 * b2);
-    (Point3(x + y + z), (x.abs() + y.abs() + z.abs()) * gamma(7))
+    let [a, b, c] = [p0, p1, p2].map(|p| p.0.as_dvec3());
+    let [b0, b1, b2] = barycentrics.map(f64::from);
+    let (ab, ac) = (b - a, c - a);
+    let exact: DVec3 = a + ab * b1 + ac * b2;
+    let extent = [a, b, c].into_iter().fold(0.0, |e: f64, v| e.max((v - exact).abs().max_element()));
+    let size = exact.abs().max_element();
+    let reach = EDGE_REACH * extent + 4.0 * f64::from(MACHINE_EPSILON) * size;
+    // The least weight times twice the area, over the extent, is at most the distance to the nearest edge.
+    let at_edge = b0.min(b1).min(b2) * ab.cross(ac).length() <= reach * extent;
+    let (clearance, inwards) =
+        if at_edge { (EDGE_ERROR, (4.0 * reach / extent).min(1.0)) } else { (DOUBLE_ERROR, 0.0) };
+    let point = (exact + ((a + b + c) / 3.0 - exact) * inwards).as_vec3();
+    (Point3(point), point.abs() * MACHINE_EPSILON + Vec3::splat((extent * clearance) as f32))
 }
+
+/// Error of the place of an edge in the ray's space, relative to the triangle's extent.
+const EDGE_ERROR: f64 = 16.0 * MACHINE_EPSILON as f64;
+/// How near an edge must be for that to matter, relative to the triangle's extent.
+const EDGE_REACH: f64 = 2.0 * EDGE_ERROR;
+/// Error of a point put together in double precision, relative to the triangle's extent.
+const DOUBLE_ERROR: f64 = 16.0 * f64::EPSILON;
 
 #[cfg(test)]
 mod tests {

@@ -50,8 +50,10 @@ impl Isa for Avx2 {
             let small = _mm256_cmp_ps::<_CMP_NGE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.start()));
             let large = _mm256_cmp_ps::<_CMP_NLE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.end()));
             let unsure = _mm256_or_ps(any!(_CMP_EQ_OQ, e, zero), _mm256_or_ps(small, large));
-            let again = _mm256_movemask_ps(unsure) as u32 & candidates;
             let t = x86::resolve(&e, det, ray, out);
+            let (near, error) = x86::nearness(&e, det, t, ray);
+            let unsure = _mm256_or_ps(unsure, _mm256_cmp_ps::<_CMP_LE_OQ>(near, error));
+            let again = _mm256_movemask_ps(unsure) as u32 & candidates;
             let after = _mm256_cmp_ps::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.t_min));
             let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
             let hit = _mm256_movemask_ps(_mm256_and_ps(after, before)) as u32 & candidates & !again;

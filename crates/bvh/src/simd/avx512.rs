@@ -49,8 +49,10 @@ impl Isa for Avx512 {
             let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), det);
             let small = _mm256_cmp_ps_mask::<_CMP_NGE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.start()));
             let large = _mm256_cmp_ps_mask::<_CMP_NLE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.end()));
-            let again = u32::from(any!(_CMP_EQ_OQ, e, zero) | small | large) & candidates;
             let t = x86::resolve(&e, det, ray, out);
+            let (near, error) = x86::nearness(&e, det, t, ray);
+            let unsure = any!(_CMP_EQ_OQ, e, zero) | small | large | _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, error);
+            let again = u32::from(unsure) & candidates;
             let after = _mm256_cmp_ps_mask::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.t_min));
             let before = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
             let hit = u32::from(after & before) & candidates & !again;

@@ -1,6 +1,6 @@
 //! Plain loops over eight lanes.
 
-use umber_geometry::watertight::DETERMINANT_RANGE;
+use umber_geometry::watertight::{DEPTH_ERROR, DETERMINANT_RANGE};
 
 use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, walk};
 use crate::{
@@ -58,7 +58,7 @@ impl Isa for Portable {
                 // SAFETY: nine rows of `count` floats are readable.
                 let q = |k: usize| unsafe { *rows.add((3 * v + k) * count + lane) } - o[k];
                 let z = q(kz);
-                (q(kx) - s.x * z, q(ky) - s.y * z, s.z * z)
+                (q(kx) - s.x * z, q(ky) - s.y * z, z)
             };
             let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (vertex(0), vertex(1), vertex(2));
             let u = cx * by - cy * bx;
@@ -74,7 +74,15 @@ impl Isa for Portable {
             }
             let inverse = 1.0 / det;
             let (b0, b1, b2) = (u * inverse, v * inverse, w * inverse);
-            let t = (b0 * az + b1 * bz) + b2 * cz;
+            let t = (b0 * (s.z * az) + b1 * (s.z * bz)) + b2 * (s.z * cz);
+            let depth = az.abs().max(bz.abs()).max(cz.abs());
+            let reach = [ax, ay, bx, by, cx, cy].into_iter().fold(depth, |m: f32, x| m.max(x.abs()));
+            let spread = az.max(bz).max(cz) - az.min(bz).min(cz);
+            let unsure = (DEPTH_ERROR * s.z.abs()) * (depth * det.abs() + spread * (reach * reach));
+            if t.abs() * det.abs() <= unsure {
+                masks.again |= 1 << lane;
+                continue;
+            }
             masks.hit |= u32::from(t > ray.t_min && t <= limit) << lane;
             out.t.0[lane] = t;
             [out.barycentrics[0].0[lane], out.barycentrics[1].0[lane], out.barycentrics[2].0[lane]] = [b0, b1, b2];

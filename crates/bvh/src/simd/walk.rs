@@ -264,7 +264,7 @@ impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
         for slot in start..start + count {
             let placed = self.group.placed(slot);
             let inside;
-            let ray = match &placed.child_from_parent {
+            let ray = match placed.child_from_parent() {
                 None => self.ray,
                 Some(matrix) => match self.ray.transformed(matrix) {
                     None => continue,
@@ -277,7 +277,7 @@ impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
             self.search.path.push(placed.index);
             // SAFETY: the caller vouches for the unit.
             unsafe {
-                match &self.group.instances()[placed.index as usize].child {
+                match &placed.child {
                     Child::Mesh { bvh, mesh } => S::mesh_closest(bvh, *mesh, ray, self.search),
                     Child::Group(group) => S::group_closest(group, ray, self.search),
                 }
@@ -306,7 +306,7 @@ impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
         self.found = (start..start + count).any(|slot| {
             let placed = self.group.placed(slot);
-            let inside = placed.child_from_parent.as_ref().map(|m| self.ray.transformed(m));
+            let inside = placed.child_from_parent().map(|m| self.ray.transformed(m));
             let ray = match &inside {
                 None => self.ray,
                 Some(None) => return false,
@@ -314,7 +314,7 @@ impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
             };
             // SAFETY: the caller vouches for the unit.
             unsafe {
-                match &self.group.instances()[placed.index as usize].child {
+                match &placed.child {
                     Child::Mesh { bvh, .. } => S::mesh_any(bvh, ray, self.limit),
                     Child::Group(group) => S::group_any(group, ray, self.limit),
                 }

@@ -4,6 +4,8 @@
 
 use std::arch::x86_64::*;
 
+use umber_geometry::watertight::DEPTH_ERROR;
+
 use super::{LaneHits, Lanes};
 use crate::{
     ray::{FAR_SLACK, TraversalRay},
@@ -41,6 +43,7 @@ pub(super) struct Edges {
     pub u: __m256,
     pub v: __m256,
     pub w: __m256,
+    across: [__m256; 6],
     depths: [__m256; 3],
 }
 
@@ -54,7 +57,7 @@ pub(super) unsafe fn edges(rows: *const f32, count: usize, ray: &TraversalRay) -
         let (bx, by, bz) = vertex(rows.add(3 * count), count, ray);
         let (cx, cy, cz) = vertex(rows.add(6 * count), count, ray);
         let (u, v, w) = (edge(cx, by, cy, bx), edge(ax, cy, ay, cx), edge(bx, ay, by, ax));
-        Edges { u, v, w, depths: [az, bz, cz] }
+        Edges { u, v, w, across: [ax, ay, bx, by, cx, cy], depths: [az, bz, cz] }
     }
 }
 
@@ -115,5 +118,27 @@ pub(super) unsafe fn resolve(e: &Edges, det: __m256, ray: &TraversalRay, out: &m
         _mm256_store_ps(out.barycentrics[1].0.as_mut_ptr(), b1);
         _mm256_store_ps(out.barycentrics[2].0.as_mut_ptr(), b2);
         t
+    }
+}
+
+/// Where the first is at most the second, the hit may be on either side of the ray's origin, by rounding.
+///
+/// # Safety
+/// The processor has AVX.
+#[inline(always)]
+pub(super) unsafe fn nearness(e: &Edges, det: __m256, t: __m256, ray: &TraversalRay) -> (__m256, __m256) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let sign = _mm256_set1_ps(-0.0);
+        let larger = |m: __m256, x: &__m256| _mm256_max_ps(m, _mm256_andnot_ps(sign, *x));
+        let depth = e.depths.iter().fold(_mm256_setzero_ps(), larger);
+        let reach = e.across.iter().fold(depth, larger);
+        let det = _mm256_andnot_ps(sign, det);
+        let [az, bz, cz] = e.depths;
+        let (high, low) = (_mm256_max_ps(_mm256_max_ps(az, bz), cz), _mm256_min_ps(_mm256_min_ps(az, bz), cz));
+        let spread = _mm256_mul_ps(_mm256_sub_ps(high, low), _mm256_mul_ps(reach, reach));
+        let scale = _mm256_set1_ps(DEPTH_ERROR * ray.sheared.shear.z.abs());
+        let unsure = _mm256_mul_ps(scale, _mm256_add_ps(_mm256_mul_ps(depth, det), spread));
+        (_mm256_mul_ps(_mm256_andnot_ps(sign, t), det), unsure)
     }
 }
