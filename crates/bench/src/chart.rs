@@ -47,7 +47,7 @@ fn failed(error: impl std::fmt::Display) -> anyhow::Error {
 }
 
 fn legend(area: &Area<'_>, report: &Report) -> Result<()> {
-    let title = format!("Single rays a second on one thread, beside {}", report.peer);
+    let title = format!("Millions of single rays a second on one thread, beside {}", report.peer);
     area.draw(&Text::new(title, (16, 10), font(20))).map_err(failed)?;
     for (i, peer) in PEERS.iter().enumerate() {
         let x = 16 + 150 * i as i32;
@@ -73,7 +73,6 @@ fn speeds(area: &Area<'_>, report: &Report, kind: usize, name: &str) -> Result<(
         .disable_x_mesh()
         .disable_x_axis()
         .y_labels(5)
-        .y_desc("million rays/s")
         .axis_style(INK)
         .light_line_style(PANEL)
         .bold_line_style(RULE)

@@ -24,14 +24,15 @@ pub(crate) struct BinaryTree {
 impl BinaryTree {
     /// By locally ordered clustering (Meister and Bittner 2018) and reinsertion (the same, 2018).
     ///
-    /// The boxes must be finite; one primitive a leaf.
-    pub fn build(boxes: &[Bounds3]) -> Self {
+    /// The boxes must be finite; one primitive a leaf. Where primitives are `costly` to visit, as instances
+    /// are, more time goes into the tree.
+    pub fn build(boxes: &[Bounds3], costly: bool) -> Self {
         if boxes.is_empty() {
             return Self { nodes: Vec::new() };
         }
         let boxes = scaled_boxes(boxes);
         let indices = (0..boxes.len() as u32).collect();
-        let effort = Effort::for_count(boxes.len());
+        let effort = Effort::for_count(boxes.len(), costly);
         let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
             effort.search,
             &boxes,
@@ -81,8 +82,8 @@ struct Effort {
 }
 
 impl Effort {
-    fn for_count(count: usize) -> Self {
-        if count < 20_000 {
+    fn for_count(count: usize, costly: bool) -> Self {
+        if count < if costly { 200_000 } else { 20_000 } {
             Self { search: PlocSearchDistance::High, shallow: 1, reinsertion: 0.3 }
         } else {
             Self { search: PlocSearchDistance::Medium, shallow: 3, reinsertion: 0.05 }

@@ -84,7 +84,7 @@ impl WideTree {
     /// Builds over finite boxes, at most [`MAX_PRIMITIVES`]; `leaf_size` primitives a leaf, at most
     /// [`WIDTH`]. Also gives the primitives' order: where leaf ranges point, these primitives belong.
     pub fn build(boxes: &[Bounds3], leaf_size: usize) -> (Self, Vec<u32>) {
-        let mut collapsed = collapse::collapse(&BinaryTree::build(boxes), leaf_size);
+        let mut collapsed = collapse::collapse(&BinaryTree::build(boxes, leaf_size == 1), leaf_size);
         if collapsed.stack_need > STACK_SIZE {
             collapsed = collapse::collapse(&BinaryTree::balanced(&collapsed.order, boxes), leaf_size);
         }

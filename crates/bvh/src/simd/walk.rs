@@ -1,17 +1,19 @@
 //! The traversal, for any vector unit.
 
-use std::mem::MaybeUninit;
-
 use umber_geometry::watertight::TriangleHit;
 use umber_math::Point3;
 
-use super::{Isa, LaneHits, Lanes, portable::Portable};
+use super::{
+    Isa, LaneHits, Lanes,
+    portable::Portable,
+    stack::{Stack, prefetch},
+};
 use crate::{
     instance::{Child, InstanceBvh},
     mesh::MeshBvh,
-    ray::{FAR_SLACK, TraversalRay},
+    ray::TraversalRay,
     search::Search,
-    wide::{ChildRef, STACK_SIZE, WideNode, WideTree},
+    wide::{ChildRef, WideNode, WideTree},
 };
 
 /// What to do at a leaf.
@@ -23,49 +25,8 @@ trait Visitor {
     /// # Safety
     /// The range is a leaf of the visitor's tree, and the processor has the visitor's vector unit.
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool;
-}
-
-/// Children to come back to: the entry parameter's bits above the reference. Both are compared at
-/// once, since the parameter is never negative.
-struct Stack {
-    entries: [MaybeUninit<u64>; STACK_SIZE],
-    len: usize,
-}
-
-impl Stack {
-    #[inline(always)]
-    fn entry(near: f32, child: ChildRef) -> u64 {
-        u64::from(near.to_bits()) << 32 | u64::from(child.0)
-    }
-    /// # Safety
-    /// No more than [`STACK_SIZE`] entries: the tree was built so that none needs more.
-    #[inline(always)]
-    unsafe fn set(&mut self, at: usize, entry: u64) {
-        debug_assert!(at < STACK_SIZE);
-        // SAFETY: the caller's promise.
-        unsafe { self.entries.get_unchecked_mut(at) }.write(entry);
-    }
-    /// # Safety
-    /// Entry `at` was set.
-    #[inline(always)]
-    unsafe fn get(&self, at: usize) -> u64 {
-        // SAFETY: the caller's promise.
-        unsafe { self.entries.get_unchecked(at).assume_init() }
-    }
-    /// The next child that begins within the limit.
-    #[inline(always)]
-    fn pop(&mut self, limit: f32) -> Option<ChildRef> {
-        let limit = u64::from((limit * FAR_SLACK).to_bits()) << 32 | 0xffff_ffff;
-        while self.len > 0 {
-            self.len -= 1;
-            // SAFETY: all entries below the old length were set.
-            let entry = unsafe { self.get(self.len) };
-            if entry <= limit {
-                return Some(ChildRef(entry as u32));
-            }
-        }
-        None
-    }
+    /// What a visit of a leaf will read first.
+    fn first_read(&self, start: usize) -> *const u8;
 }
 
 /// Visits the leaves whose boxes the ray meets, nearest first if `ORDERED`.
@@ -77,12 +38,17 @@ unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(tree: &WideTree
     if tree.root == ChildRef::NONE || visitor.limit() < ray.t_min {
         return;
     }
-    let mut stack = Stack { entries: [const { MaybeUninit::uninit() }; STACK_SIZE], len: 0 };
+    let mut stack = Stack::new();
     let mut near = Lanes::default();
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
             let (start, count) = current.range();
+            // What is next comes from memory meanwhile.
+            if let Some(next) = stack.peek() {
+                let node = tree.nodes.as_ptr().wrapping_add(next.0 as usize).cast();
+                prefetch(if next.is_leaf() { visitor.first_read(next.range().0) } else { node });
+            }
             // SAFETY: the reference is one of the tree's.
             if unsafe { visitor.visit(start, count) } {
                 return;
@@ -173,6 +139,10 @@ struct MeshClosest<'a, S: ?Sized> {
 
 impl<S: Isa + ?Sized> Visitor for MeshClosest<'_, S> {
     #[inline(always)]
+    fn first_read(&self, start: usize) -> *const u8 {
+        self.mesh.rows(start).cast()
+    }
+    #[inline(always)]
     fn limit(&self) -> f32 {
         self.search.limit
     }
@@ -233,6 +203,10 @@ struct MeshAny<'a, S: ?Sized> {
 
 impl<S: Isa + ?Sized> Visitor for MeshAny<'_, S> {
     #[inline(always)]
+    fn first_read(&self, start: usize) -> *const u8 {
+        self.mesh.rows(start).cast()
+    }
+    #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
     }
@@ -255,6 +229,10 @@ struct GroupClosest<'a, S: ?Sized> {
 }
 
 impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
+    #[inline(always)]
+    fn first_read(&self, start: usize) -> *const u8 {
+        std::ptr::from_ref(self.group.placed(start)).cast()
+    }
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.search.limit
@@ -298,6 +276,10 @@ struct GroupAny<'a, S: ?Sized> {
 }
 
 impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
+    #[inline(always)]
+    fn first_read(&self, start: usize) -> *const u8 {
+        std::ptr::from_ref(self.group.placed(start)).cast()
+    }
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
@@ -369,6 +351,9 @@ struct Each<F> {
 }
 
 impl<F: FnMut(usize, f32) -> Option<f32>> Visitor for Each<F> {
+    fn first_read(&self, _: usize) -> *const u8 {
+        std::ptr::null()
+    }
     fn limit(&self) -> f32 {
         self.limit
     }

@@ -1,0 +1,76 @@
+//! What a traversal comes back to.
+
+use std::mem::MaybeUninit;
+
+use crate::{
+    ray::FAR_SLACK,
+    wide::{ChildRef, STACK_SIZE},
+};
+
+/// Children to come back to: the entry parameter's bits above the reference. Both are compared at
+/// once, since the parameter is never negative.
+pub(super) struct Stack {
+    entries: [MaybeUninit<u64>; STACK_SIZE],
+    /// Number of entries.
+    pub len: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { entries: [const { MaybeUninit::uninit() }; STACK_SIZE], len: 0 }
+    }
+    #[inline(always)]
+    pub fn entry(near: f32, child: ChildRef) -> u64 {
+        u64::from(near.to_bits()) << 32 | u64::from(child.0)
+    }
+    /// # Safety
+    /// No more than [`STACK_SIZE`] entries: the tree was built so that none needs more.
+    #[inline(always)]
+    pub unsafe fn set(&mut self, at: usize, entry: u64) {
+        debug_assert!(at < STACK_SIZE);
+        // SAFETY: the caller's promise.
+        unsafe { self.entries.get_unchecked_mut(at) }.write(entry);
+    }
+    /// # Safety
+    /// Entry `at` was set.
+    #[inline(always)]
+    pub unsafe fn get(&self, at: usize) -> u64 {
+        // SAFETY: the caller's promise.
+        unsafe { self.entries.get_unchecked(at).assume_init() }
+    }
+    /// The next child, whether within the limit or not.
+    #[inline(always)]
+    pub fn peek(&self) -> Option<ChildRef> {
+        // SAFETY: all entries below the length were set.
+        (self.len > 0).then(|| ChildRef(unsafe { self.get(self.len - 1) } as u32))
+    }
+    /// The next child that begins within the limit.
+    #[inline(always)]
+    pub fn pop(&mut self, limit: f32) -> Option<ChildRef> {
+        let limit = u64::from((limit * FAR_SLACK).to_bits()) << 32 | 0xffff_ffff;
+        while self.len > 0 {
+            self.len -= 1;
+            // SAFETY: all entries below the old length were set.
+            let entry = unsafe { self.get(self.len) };
+            if entry <= limit {
+                return Some(ChildRef(entry as u32));
+            }
+        }
+        None
+    }
+}
+
+/// Asks for the two cache lines at an address, which need not be a good one.
+#[inline(always)]
+pub(super) fn prefetch(address: *const u8) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch reads nothing as far as the program is concerned; every processor has it.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(address.cast());
+        _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
+}
