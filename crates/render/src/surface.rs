@@ -35,7 +35,6 @@ impl SurfaceInteraction {
         let render_from_object = scene.top.render_from_object(&hit.path);
         let [p0, p1, p2] = mesh.shape.triangle(hit.triangle);
         let (point_object, error_object) = hit_point(p0, p1, p2, hit.barycentrics);
-        let error_object = error_object + intersection_error([p0, p1, p2], point_object);
         let point = render_from_object.point(point_object);
         let error = point_error(&render_from_object, point_object, error_object, point);
 
@@ -72,15 +71,6 @@ impl SurfaceInteraction {
     pub fn spawn_ray(&self, direction: Vector3) -> Ray {
         Ray::new(offset_ray_origin(self.point, self.error, self.geometric_normal, direction), direction)
     }
-}
-
-/// How far from a triangle's plane a ray's parameter on it may be off, by the rounding of the
-/// ray-triangle test alone: relative to the triangle's extent, in whatever axis. Without it a ray
-/// that starts on an axis-aligned triangle through the origin, where the point itself has no error,
-/// meets its own triangle again.
-fn intersection_error(triangle: [Point3; 3], p: Point3) -> Vec3 {
-    let extent = triangle.iter().map(|v| (*v - p).0.abs().max_element()).fold(0.0, f32::max);
-    Vec3::splat(extent * gamma(16))
 }
 
 /// Bound of the error of a point brought to render space, and of rays that start there when they are

@@ -155,7 +155,9 @@ def _positive(text: str) -> int:
 
 def _add_own_arguments(made: argparse.ArgumentParser) -> None:
     own = made.add_argument_group("beyond usdrecord")
-    own.add_argument("--imageHeight", type=_positive, help="Height of the output image, in place of the camera's aspect.")
+    own.add_argument(
+        "--imageHeight", type=_positive, help="Height of the output image, in place of the camera's aspect."
+    )
     own.add_argument(
         "--set",
         dest="settings",
