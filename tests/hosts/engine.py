@@ -98,8 +98,9 @@ class EngineRecorder:
 
     def point(self, camera: UsdGeom.Camera, lens: Gf.Camera) -> None:
         """Points the engine's camera and sizes its buffers."""
-        aspect = lens.aspectRatio if abs(lens.aspectRatio) > 1e-4 else 1.0
-        height = self.image_height or max(int(self.image_width / aspect), 1)
+        # single precision, as FrameRecorder has it: rounding decides about a row
+        aspect = np.float32(lens.aspectRatio if abs(lens.aspectRatio) > 1e-4 else 1.0)
+        height = self.image_height or max(int(np.float32(self.image_width) / aspect), 1)
         size = Gf.Vec2i(self.image_width, height)
         if self.image_height:
             self.engine.SetOverrideWindowPolicy(CameraUtil.MatchHorizontally)
