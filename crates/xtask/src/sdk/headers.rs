@@ -158,7 +158,7 @@ fn copy_tree(from: &Path, to: &Path) -> Result<usize> {
 fn cmake_number(text: &str, name: &str) -> Option<u32> {
     let line = text.lines().find(|line| line.trim_start().starts_with(&format!("set({name} ")))?;
     let value = line.split_once(name)?.1;
-    value.trim_matches(|c: char| !c.is_ascii_digit()).parse().ok()
+    value.split(|c: char| !c.is_ascii_digit()).find(|digits| !digits.is_empty())?.parse().ok()
 }
 
 /// `text` with every `@NAME@` replaced.
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn version_is_read_from_cmake() {
         let text =
-            "set(PXR_MAJOR_VERSION \"0\")\nset(PXR_MINOR_VERSION \"25\")\nset(PXR_PATCH_VERSION \"8\") # month\n";
+            "set(PXR_MAJOR_VERSION \"0\")\nset(PXR_MINOR_VERSION \"25\")\nset(PXR_PATCH_VERSION \"8\") # Must not have leading 0\n";
         assert_eq!(cmake_number(text, "PXR_MINOR_VERSION"), Some(25));
         assert_eq!(cmake_number(text, "PXR_PATCH_VERSION"), Some(8));
         assert_eq!(cmake_number(text, "PXR_VERSION"), None);
