@@ -20,13 +20,8 @@ impl BoundsBvh {
     /// Builds the hierarchy. Boxes that are empty or not finite are never met.
     pub fn build(boxes: &[Bounds3]) -> Self {
         let usable = |b: &Bounds3| !b.is_empty() && b.min.is_finite() && b.max.is_finite();
-        let mut valid: Vec<u32> = (0..boxes.len() as u32).filter(|&i| usable(&boxes[i as usize])).collect();
-        valid.truncate(MAX_PRIMITIVES);
-        let kept: Vec<Bounds3> = valid.iter().map(|&i| boxes[i as usize]).collect();
-        let (tree, mut order) = WideTree::build(&kept, 1);
-        for slot in &mut order {
-            *slot = valid[*slot as usize];
-        }
+        let bounds = |i: u32| Some(boxes[i as usize]).filter(usable);
+        let (tree, order) = WideTree::build(boxes.len().min(MAX_PRIMITIVES), 1, bounds);
         Self { tree, order }
     }
 

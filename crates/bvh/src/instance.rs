@@ -112,7 +112,7 @@ impl InstanceBvh {
                 }
             }
         }
-        let (tree, order) = WideTree::build(&boxes, 1);
+        let (tree, order) = WideTree::build(boxes.len(), 1, |i| Some(boxes[i as usize]));
         let mut by_index: Vec<Option<Placed>> = placed.into_iter().map(Some).collect();
         let placed = order.iter().filter_map(|&i| by_index[i as usize].take()).collect();
         let rounded = |i: &Instance| Transform::from_affine(i.parent_from_child).unwrap_or_default();

@@ -8,8 +8,8 @@
 //! with the smallest instance path, then triangle index, counts, so that the answer does not depend
 //! on the order of traversal.
 
-mod binary;
 mod bounds_bvh;
+mod build;
 mod instance;
 mod mesh;
 mod path;

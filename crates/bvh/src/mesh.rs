@@ -1,26 +1,27 @@
 //! The hierarchy of one mesh's triangles.
 
 use glam::Vec3;
-use rayon::prelude::*;
 use umber_math::{Bounds3, Point3};
 
 use crate::wide::{MAX_PRIMITIVES, WIDTH, WideTree};
 
-/// Floats of a triangle: three vertices of three coordinates.
-const FLOATS: usize = 9;
+/// Words of a triangle: three vertices of three coordinates, and the caller's index.
+const WORDS: usize = 10;
+/// The row of the caller's indices.
+const INDEX_ROW: usize = 9;
 
 /// Triangles of one mesh, in the mesh's own (object) space.
 ///
-/// Holds the vertices of each triangle, so that a test needs no look-up; the original triangle
-/// indices are kept aside and read at hits only. About 50 bytes a triangle.
+/// Holds the vertices and the index of each triangle where its leaf is, so that a test needs no look-up. About 50
+/// bytes a triangle.
 #[derive(Clone)]
 pub struct MeshBvh {
     tree: WideTree,
-    /// Leaf after leaf: the nine coordinate rows of its triangles, as long as the leaf has
-    /// triangles. Eight zeros at the end let whole vectors be read.
-    coordinates: Vec<f32>,
-    /// The caller's index of each triangle, in the tree's order.
-    triangles: Vec<u32>,
+    /// Leaf after leaf: the nine coordinate rows of its triangles, as bits, and that of their indices; each as long
+    /// as the leaf has triangles. Eight zeros at the end let whole vectors be read.
+    leaves: Vec<u32>,
+    /// Number of triangles.
+    count: usize,
     skipped: usize,
 }
 
@@ -30,20 +31,11 @@ impl MeshBvh {
     /// Triangles with an index out of range or a point that is not finite can't be hit; see
     /// [`MeshBvh::skipped`]. At most 2²⁸ − 8 triangles are taken.
     pub fn build(points: &[Point3], triangles: &[[u32; 3]]) -> Self {
-        let mut valid: Vec<u32> =
-            (0..triangles.len() as u32).filter(|&i| corners(points, triangles, i).is_some_and(finite)).collect();
-        valid.truncate(MAX_PRIMITIVES);
-        let bounds =
-            |&i: &u32| corners(points, triangles, i).map_or(Bounds3::EMPTY, |p| Bounds3::of_points(p.map(Point3)));
-        let boxes: Vec<Bounds3> = valid.par_iter().map(bounds).collect();
-        let (tree, mut order) = WideTree::build(&boxes, WIDTH);
-        for slot in &mut order {
-            *slot = valid[*slot as usize];
-        }
+        let bounds = |i: u32| corners(points, triangles, i).filter(|p| finite(*p)).map(bounds_of);
+        let (tree, order) = WideTree::build(triangles.len().min(MAX_PRIMITIVES), WIDTH, bounds);
         let skipped = triangles.len() - order.len();
-        let mut bvh = Self { tree, coordinates: Vec::new(), triangles: order, skipped };
-        bvh.coordinates = vec![0.0; bvh.triangles.len() * FLOATS + WIDTH];
-        bvh.store(points, triangles);
+        let mut bvh = Self { leaves: vec![0; order.len() * WORDS + WIDTH], count: order.len(), tree, skipped };
+        bvh.store(points, triangles, Some(&order));
         bvh
     }
 
@@ -51,24 +43,24 @@ impl MeshBvh {
     ///
     /// `triangles` are those that it was built with. A triangle that is not finite any more can't be hit.
     pub fn refit(&mut self, points: &[Point3], triangles: &[[u32; 3]]) {
-        self.store(points, triangles);
-        let coordinates = &self.coordinates;
-        self.tree.fit(|start, count| leaf_bounds(&coordinates[start * FLOATS..(start + count) * FLOATS], count));
+        self.store(points, triangles, None);
+        let leaves = &self.leaves;
+        self.tree.fit(|start, count| leaf_bounds(&leaves[start * WORDS..(start + count) * WORDS], count));
     }
 
-    /// Fills in the coordinates, leaf by leaf.
-    fn store(&mut self, points: &[Point3], triangles: &[[u32; 3]]) {
-        let Self { tree, coordinates, triangles: order, .. } = self;
-        let mut leaf = |start: usize, count: usize| {
-            let rows = &mut coordinates[start * FLOATS..(start + count) * FLOATS];
+    /// Fills in the coordinates, leaf by leaf, and the indices where the `order` of the triangles is given.
+    fn store(&mut self, points: &[Point3], triangles: &[[u32; 3]], order: Option<&[u32]>) {
+        for (start, count) in self.tree.leaves() {
+            let rows = &mut self.leaves[start * WORDS..(start + count) * WORDS];
             for lane in 0..count {
-                let p = corners(points, triangles, order[start + lane]).unwrap_or([Vec3::NAN; 3]);
+                let index = order.map_or(rows[INDEX_ROW * count + lane], |order| order[start + lane]);
+                rows[INDEX_ROW * count + lane] = index;
+                let p = corners(points, triangles, index).unwrap_or([Vec3::NAN; 3]);
                 for (row, value) in p.iter().flat_map(|v| v.to_array()).enumerate() {
-                    rows[row * count + lane] = value;
+                    rows[row * count + lane] = value.to_bits();
                 }
             }
-        };
-        tree.leaves().for_each(|(start, count)| leaf(start, count));
+        }
     }
 
     /// The box around all triangles that can be hit.
@@ -78,7 +70,7 @@ impl MeshBvh {
 
     /// Number of triangles that can be hit.
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        self.count
     }
 
     /// Number of triangles left out when built: bad indices, or points not finite.
@@ -88,7 +80,7 @@ impl MeshBvh {
 
     /// Memory held, in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<Self>() + self.tree.memory_bytes() + 4 * (self.coordinates.capacity() + self.triangles.capacity())
+        size_of::<Self>() + self.tree.memory_bytes() + 4 * self.leaves.capacity()
     }
 
     #[inline(always)]
@@ -99,19 +91,19 @@ impl MeshBvh {
     /// The coordinate rows of the leaf that begins at triangle `start`.
     #[inline(always)]
     pub(crate) fn rows(&self, start: usize) -> *const f32 {
-        debug_assert!(start < self.triangles.len());
-        self.coordinates.as_ptr().wrapping_add(start * FLOATS)
+        debug_assert!(start < self.count);
+        self.leaves.as_ptr().wrapping_add(start * WORDS).cast()
     }
 
-    /// The caller's index of the triangle at a place in the tree's order.
+    /// The caller's index of one triangle of a leaf.
     #[inline]
-    pub(crate) fn triangle_at(&self, slot: usize) -> u32 {
-        self.triangles[slot]
+    pub(crate) fn triangle_at(&self, start: usize, count: usize, lane: usize) -> u32 {
+        self.leaves[start * WORDS + INDEX_ROW * count + lane]
     }
 
     /// Vertices of one triangle of a leaf.
     pub(crate) fn leaf_vertices(&self, start: usize, count: usize, lane: usize) -> [Vec3; 3] {
-        let at = |row: usize| self.coordinates[start * FLOATS + row * count + lane];
+        let at = |row: usize| f32::from_bits(self.leaves[start * WORDS + row * count + lane]);
         [0, 3, 6].map(|v| Vec3::new(at(v), at(v + 1), at(v + 2)))
     }
 }
@@ -125,9 +117,13 @@ fn finite(p: [Vec3; 3]) -> bool {
     p.iter().all(|v| v.is_finite())
 }
 
-/// The box of a leaf, from its coordinate rows.
-fn leaf_bounds(rows: &[f32], count: usize) -> Bounds3 {
-    let at = |row: usize, lane: usize| rows[row * count + lane];
+fn bounds_of([a, b, c]: [Vec3; 3]) -> Bounds3 {
+    Bounds3 { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+/// The box of a leaf, from its rows.
+fn leaf_bounds(rows: &[u32], count: usize) -> Bounds3 {
+    let at = |row: usize, lane: usize| f32::from_bits(rows[row * count + lane]);
     let vertex = |lane: usize, v: usize| Point3::new(at(3 * v, lane), at(3 * v + 1, lane), at(3 * v + 2, lane));
     Bounds3::of_points((0..count).flat_map(|lane| [0, 1, 2].map(|v| vertex(lane, v))))
 }

@@ -17,6 +17,8 @@ pub(crate) struct TraversalRay {
     pub sheared: ShearedRay,
     /// One over the direction; infinite where that is zero.
     pub inverse: Vec3,
+    /// The same with [`FAR_SLACK`], for the far ends of boxes.
+    pub inverse_far: Vec3,
     /// Which plane of each axis the ray meets first: 0 the smaller, 1 the larger.
     pub near: [usize; 3],
     /// Hits at or before this do not count; never negative.
@@ -32,7 +34,7 @@ impl TraversalRay {
         let inverse = direction.recip();
         let near = direction.to_array().map(|d| usize::from(d.is_sign_negative()));
         let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
-        Some(Self { sheared, inverse, near, t_min })
+        Some(Self { sheared, inverse, inverse_far: inverse * FAR_SLACK, near, t_min })
     }
 
     /// A component of the origin.

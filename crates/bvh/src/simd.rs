@@ -92,11 +92,12 @@ pub(crate) struct LaneMasks {
 /// All functions are unsafe: the processor must have the unit. Box and triangle tests do the same
 /// arithmetic on each.
 pub(crate) trait Isa {
-    /// Which children's boxes the ray meets before `limit`, a bit a child, and where it enters them.
+    /// Which children's boxes the ray meets before `reach`, a bit a child, and where it enters them. `reach` is the
+    /// end of the search with [`FAR_SLACK`](crate::ray::FAR_SLACK).
     ///
     /// # Safety
     /// The processor has the unit.
-    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> u32;
+    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32;
 
     /// Tests `count` triangles, from 1 to 8. `rows` are their nine coordinate rows, `count` apart.
     ///

@@ -1,8 +1,10 @@
 //! The wide hierarchy: eight children a node, laid out for vector units.
 
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use umber_math::Bounds3;
 
-use crate::binary::BinaryTree;
+use crate::build::{BinaryTree, PrimitiveBox};
 
 mod collapse;
 
@@ -81,18 +83,40 @@ pub(crate) struct WideTree {
 }
 
 impl WideTree {
-    /// Builds over finite boxes, at most [`MAX_PRIMITIVES`]; `leaf_size` primitives a leaf, at most
-    /// [`WIDTH`]. Also gives the primitives' order: where leaf ranges point, these primitives belong.
-    pub fn build(boxes: &[Bounds3], leaf_size: usize) -> (Self, Vec<u32>) {
-        let mut collapsed = collapse::collapse(&BinaryTree::build(boxes, leaf_size == 1), leaf_size);
-        if collapsed.stack_need > STACK_SIZE {
-            collapsed = collapse::collapse(&BinaryTree::balanced(&collapsed.order, boxes), leaf_size);
+    /// Builds over the boxes of `count` primitives, at most [`MAX_PRIMITIVES`]; those without a box, which else must be
+    /// finite, are left out. `leaf_size` primitives a leaf, at most [`WIDTH`]; one where they are costly to visit.
+    /// Also gives the primitives' order: where leaf ranges point, these primitives belong.
+    pub fn build(count: usize, leaf_size: usize, bounds: impl Fn(u32) -> Option<Bounds3> + Sync) -> (Self, Vec<u32>) {
+        let primitive = |i: u32| bounds(i).map(|b| PrimitiveBox::new(b, i));
+        let mut boxes: Vec<PrimitiveBox> = Vec::with_capacity(count);
+        (0..count as u32)
+            .into_par_iter()
+            .map(|i| primitive(i).unwrap_or(PrimitiveBox::NONE))
+            .collect_into_vec(&mut boxes);
+        let around = |a: Bounds3, b: &PrimitiveBox| a.union(b.bounds());
+        let all = boxes.par_chunks(1 << 14).map(|c| c.iter().fold(Bounds3::EMPTY, around));
+        let all = all.reduce(|| Bounds3::EMPTY, Bounds3::union);
+        boxes.retain(|b| !b.is_none());
+        if boxes.is_empty() {
+            return (Self { nodes: Vec::new(), root: ChildRef::NONE, bounds: Bounds3::EMPTY }, Vec::new());
         }
-        let collapse::Collapsed { nodes, root, order, .. } = collapsed;
-        let mut tree = Self { nodes, root, bounds: Bounds3::EMPTY };
-        tree.fit(|start, count| {
-            order[start..start + count].iter().fold(Bounds3::EMPTY, |b, &i| b.union(boxes[i as usize]))
-        });
+        let scale = Scale::for_bounds(all);
+        if let Some(scale) = &scale {
+            boxes.iter_mut().for_each(|b| *b = PrimitiveBox::new(scale.apply(b.bounds()), b.index()));
+        }
+        let mut binary = BinaryTree::build(boxes, leaf_size == 1);
+        let mut collapsed = collapse::collapse(&binary, leaf_size);
+        if collapsed.stack_need > STACK_SIZE {
+            let boxes = binary.order.iter().filter_map(|&i| primitive(i)).collect();
+            binary = BinaryTree::balanced(boxes, leaf_size);
+            collapsed = collapse::collapse(&binary, leaf_size);
+        }
+        let order = binary.order;
+        let mut tree = Self { nodes: collapsed.nodes, root: collapsed.root, bounds: all };
+        if scale.is_some() {
+            let bounds = |i: &u32| bounds(*i).unwrap_or(Bounds3::EMPTY);
+            tree.fit(|start, count| order[start..start + count].iter().fold(Bounds3::EMPTY, |b, i| b.union(bounds(i))));
+        }
         (tree, order)
     }
 
@@ -130,57 +154,71 @@ impl WideTree {
     }
 }
 
+/// Brings boxes to about unit size.
+struct Scale {
+    low: DVec3,
+    factor: f64,
+}
+
+impl Scale {
+    /// Where areas would over- or underflow.
+    fn for_bounds(all: Bounds3) -> Option<Self> {
+        let (low, high) = (all.min.as_dvec3(), all.max.as_dvec3());
+        let extent = (high - low).max_element();
+        (extent > 0.0 && !(1e-12..1e12).contains(&extent)).then(|| Self { low, factor: extent.recip() })
+    }
+    fn apply(&self, b: Bounds3) -> Bounds3 {
+        let scaled = |v: Vec3| ((v.as_dvec3() - self.low) * self.factor).as_vec3();
+        Bounds3 { min: scaled(b.min), max: scaled(b.max) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::binary::BinaryNode;
     use umber_math::Point3;
-
-    /// A binary tree in which each node has one leaf and all the rest.
-    fn chain(count: u32) -> BinaryTree {
-        let area = |left: u32| left as f32 * left as f32;
-        let mut nodes = vec![BinaryNode { half_area: area(count), first: 1, is_leaf: false }];
-        for i in 0..count - 1 {
-            let last = i == count - 2;
-            let rest = if last { count - 1 } else { 2 * i + 3 };
-            nodes.push(BinaryNode { half_area: 1.0, first: i, is_leaf: true });
-            nodes.push(BinaryNode { half_area: area(count - 1 - i), first: rest, is_leaf: last });
-        }
-        BinaryTree { nodes }
-    }
 
     #[test]
     fn chains_are_found_too_deep_and_balanced_trees_are_not() {
         let count = 5000;
-        let boxes: Vec<Bounds3> = (0..count).map(|i| Bounds3::of_points([Point3::new(i as f32, 0.0, 0.0)])).collect();
-        let deep = collapse::collapse(&chain(count), 1);
+        let boxes: Vec<PrimitiveBox> =
+            (0..count).map(|i| PrimitiveBox::new(Bounds3::of_points([Point3::new(i as f32, 0.0, 0.0)]), i)).collect();
+        let deep = collapse::collapse(&BinaryTree::chain(count), 1);
         assert!(deep.stack_need > STACK_SIZE, "{}", deep.stack_need);
-        let mut order = deep.order.clone();
+        let tree = BinaryTree::balanced(boxes, 1);
+        let shallow = collapse::collapse(&tree, 1);
+        assert!(shallow.stack_need <= STACK_SIZE, "{}", shallow.stack_need);
+        let mut order = tree.order;
         order.sort_unstable();
         assert!(order.iter().copied().eq(0..count), "a primitive is lost");
-        let shallow = collapse::collapse(&BinaryTree::balanced(&deep.order, &boxes), 1);
-        assert!(shallow.stack_need <= STACK_SIZE, "{}", shallow.stack_need);
-        assert_eq!(shallow.order.len(), count as usize);
     }
 
     #[test]
     fn parents_hold_their_children_and_every_primitive_is_in_one_leaf() {
-        let boxes: Vec<Bounds3> = (0..3000u32)
-            .map(|i| Point3::new((i * 7919 % 101) as f32, (i * 104_729 % 97) as f32, (i * 31 % 89) as f32))
-            .map(|p| Bounds3::of_points([p, Point3(p.0 + 1.5)]))
-            .collect();
-        for leaf_size in [1, 3, 8] {
-            let (tree, order) = WideTree::build(&boxes, leaf_size);
-            let mut slots = vec![0; boxes.len()];
+        for (primitives, leaf_size) in [(3000, 1), (3000, 3), (3000, 8), (70_000, 8), (1, 8), (8, 8), (9, 8)] {
+            let corner = |i: u32| Point3::new((i * 7919 % 101) as f32, (i * 104_729 % 97) as f32, (i * 31 % 89) as f32);
+            let bounds = |i: u32| Some(Bounds3::of_points([corner(i), Point3(corner(i).0 + 1.5)]));
+            let (tree, order) = WideTree::build(primitives, leaf_size, |i| bounds(i).filter(|_| i % 100 != 99));
+            let mut slots = vec![0; primitives];
             for (start, count) in tree.leaves() {
                 assert!(count <= leaf_size);
                 order[start..start + count].iter().for_each(|&i| slots[i as usize] += 1);
             }
-            assert!(slots.iter().all(|&n| n == 1));
+            assert!(slots.iter().enumerate().all(|(i, &n)| n == usize::from(i % 100 != 99)));
             for (i, node) in tree.nodes.iter().enumerate() {
-                for child in node.children.iter().filter(|c| **c != ChildRef::NONE && !c.is_leaf()) {
-                    assert!(child.0 as usize > i, "a child lies before its parent");
-                    assert_eq!(node.bounds().union(tree.nodes[child.0 as usize].bounds()), node.bounds());
+                for (slot, child) in node.children.iter().enumerate().filter(|(_, c)| **c != ChildRef::NONE) {
+                    let within = if child.is_leaf() {
+                        let (start, count) = child.range();
+                        order[start..start + count]
+                            .iter()
+                            .filter_map(|&i| bounds(i))
+                            .fold(Bounds3::EMPTY, Bounds3::union)
+                    } else {
+                        assert!(child.0 as usize > i, "a child lies before its parent");
+                        tree.nodes[child.0 as usize].bounds()
+                    };
+                    let planes = |k: usize| Vec3::from([0, 1, 2].map(|axis| node.planes[2 * axis + k][slot]));
+                    assert_eq!((planes(0), planes(1)), (within.min, within.max));
                 }
             }
         }

@@ -55,13 +55,10 @@ impl ShearedRay {
             return None;
         }
         let a = d.abs();
-        let axes = if a.x >= a.y && a.x >= a.z {
-            [1, 2, 0]
-        } else if a.y >= a.z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
+        // Without branches: they would be mispredicted for every other ray.
+        let y_over_x = usize::from(a.y > a.x);
+        let axis = y_over_x + usize::from(a.z > a.x.max(a.y)) * (2 - y_over_x);
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][axis];
         let z = d[axes[2]];
         let shear = Vec3::new(d[axes[0]] / z, d[axes[1]] / z, 1.0 / z);
         Some(Self { origin: o, direction: d, axes, shear })

@@ -20,10 +20,10 @@ macro_rules! any {
 
 impl Isa for Avx2 {
     #[inline(always)]
-    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> u32 {
+    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32 {
         // SAFETY: the caller vouches for the unit.
         unsafe {
-            let (enter, leave) = x86::slabs(node, ray, limit, near);
+            let (enter, leave) = x86::slabs(node, ray, reach, near);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave)) as u32
         }
     }

@@ -20,10 +20,10 @@ macro_rules! any {
 
 impl Isa for Avx512 {
     #[inline(always)]
-    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> u32 {
+    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32 {
         // SAFETY: the caller vouches for the unit.
         unsafe {
-            let (enter, leave) = x86::slabs(node, ray, limit, near);
+            let (enter, leave) = x86::slabs(node, ray, reach, near);
             u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave))
         }
     }

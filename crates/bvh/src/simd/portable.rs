@@ -6,7 +6,7 @@ use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, walk};
 use crate::{
     instance::InstanceBvh,
     mesh::MeshBvh,
-    ray::{FAR_SLACK, TraversalRay},
+    ray::TraversalRay,
     search::Search,
     wide::{WIDTH, WideNode},
 };
@@ -28,18 +28,18 @@ fn min(a: f32, b: f32) -> f32 {
 
 impl Isa for Portable {
     #[inline(always)]
-    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, limit: f32, near: &mut Lanes) -> u32 {
-        let mut far = [limit; WIDTH];
+    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32 {
+        let mut far = [reach; WIDTH];
         near.0 = [ray.t_min; WIDTH];
         for axis in 0..3 {
-            let (o, inverse, first) = (ray.sheared.origin[axis], ray.inverse[axis], ray.near[axis]);
+            let (o, first) = (ray.origin(axis), ray.near[axis]);
             let (low, high) = (&node.planes[2 * axis + first], &node.planes[2 * axis + (1 - first)]);
             for i in 0..WIDTH {
-                near.0[i] = max((low[i] - o) * inverse, near.0[i]);
-                far[i] = min((high[i] - o) * inverse, far[i]);
+                near.0[i] = max((low[i] - o) * ray.inverse[axis], near.0[i]);
+                far[i] = min((high[i] - o) * ray.inverse_far[axis], far[i]);
             }
         }
-        (0..WIDTH).fold(0, |mask, i| mask | u32::from(near.0[i] <= far[i] * FAR_SLACK) << i)
+        (0..WIDTH).fold(0, |mask, i| mask | u32::from(near.0[i] <= far[i]) << i)
     }
 
     #[inline(always)]

@@ -39,12 +39,6 @@ impl Stack {
         // SAFETY: the caller's promise.
         unsafe { self.entries.get_unchecked(at).assume_init() }
     }
-    /// The next child, whether within the limit or not.
-    #[inline(always)]
-    pub fn peek(&self) -> Option<ChildRef> {
-        // SAFETY: all entries below the length were set.
-        (self.len > 0).then(|| ChildRef(unsafe { self.get(self.len - 1) } as u32))
-    }
     /// The next child that begins within the limit.
     #[inline(always)]
     pub fn pop(&mut self, limit: f32) -> Option<ChildRef> {
@@ -61,15 +55,16 @@ impl Stack {
     }
 }
 
-/// Asks for the two cache lines at an address, which need not be a good one.
+/// Asks for the four cache lines at an address, which need not be a good one.
 #[inline(always)]
 pub(super) fn prefetch(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch reads nothing as far as the program is concerned; every processor has it.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(address.cast());
-        _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64).cast());
+        for line in 0..4 {
+            _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64 * line).cast());
+        }
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = address;

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     instance::{Child, InstanceBvh},
     mesh::MeshBvh,
-    ray::TraversalRay,
+    ray::{FAR_SLACK, TraversalRay},
     search::Search,
     wide::{ChildRef, WideNode, WideTree},
 };
@@ -44,11 +44,6 @@ unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(tree: &WideTree
     loop {
         if current.is_leaf() {
             let (start, count) = current.range();
-            // What is next comes from memory meanwhile.
-            if let Some(next) = stack.peek() {
-                let node = tree.nodes.as_ptr().wrapping_add(next.0 as usize).cast();
-                prefetch(if next.is_leaf() { visitor.first_read(next.range().0) } else { node });
-            }
             // SAFETY: the reference is one of the tree's.
             if unsafe { visitor.visit(start, count) } {
                 return;
@@ -57,10 +52,18 @@ unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(tree: &WideTree
             // SAFETY: inner references are indices of the tree's nodes.
             let node = unsafe { tree.nodes.get_unchecked(current.0 as usize) };
             // SAFETY: the caller vouches for the unit.
-            let mask = unsafe { S::boxes(node, ray, visitor.limit(), &mut near) };
+            let mask = unsafe { S::boxes(node, ray, visitor.limit() * FAR_SLACK, &mut near) };
             if mask != 0 {
                 // SAFETY: the mask's bits are children of the node, and the stack holds what the tree needs.
+                let before = stack.len;
                 current = unsafe { descend::<ORDERED>(node, mask, &near, &mut stack) };
+                // What is left for later comes from memory meanwhile.
+                for at in before..stack.len {
+                    // SAFETY: the entries were just set.
+                    let child = ChildRef(unsafe { stack.get(at) } as u32);
+                    let node = tree.nodes.as_ptr().wrapping_add(child.0 as usize).cast();
+                    prefetch(if child.is_leaf() { visitor.first_read(child.range().0) } else { node });
+                }
                 continue;
             }
         }
@@ -80,6 +83,17 @@ unsafe fn descend<const ORDERED: bool>(node: &WideNode, mask: u32, near: &Lanes,
     // SAFETY: bits of the mask are below eight; entries are set in order from the old length on.
     unsafe {
         let child = |i: usize| *node.children.get_unchecked(i);
+        if !ORDERED {
+            let mut next = child(mask.trailing_zeros() as usize);
+            let mut rest = mask & (mask - 1);
+            while rest != 0 {
+                stack.set(stack.len, Stack::entry(0.0, next));
+                stack.len += 1;
+                next = child(rest.trailing_zeros() as usize);
+                rest &= rest - 1;
+            }
+            return next;
+        }
         let entry = |i: usize| Stack::entry(*near.0.get_unchecked(i), child(i));
         let first = mask.trailing_zeros() as usize;
         let mut rest = mask & (mask - 1);
@@ -93,19 +107,6 @@ unsafe fn descend<const ORDERED: bool>(node: &WideNode, mask: u32, near: &Lanes,
             stack.set(stack.len, a.max(b));
             stack.len += 1;
             return ChildRef(a.min(b) as u32);
-        }
-        if !ORDERED {
-            let mut best = a.min(b);
-            stack.set(stack.len, a.max(b));
-            stack.len += 1;
-            while rest != 0 {
-                let c = entry(rest.trailing_zeros() as usize);
-                rest &= rest - 1;
-                stack.set(stack.len, best.max(c));
-                stack.len += 1;
-                best = best.min(c);
-            }
-            return ChildRef(best as u32);
         }
         let base = stack.len;
         stack.set(base, a.max(b));
@@ -165,13 +166,13 @@ impl<S: Isa + ?Sized> MeshClosest<'_, S> {
             let lane = hit.trailing_zeros() as usize & 7;
             hit &= hit - 1;
             let barycentrics = self.hits.barycentrics.map(|b| b.0[lane]);
-            self.search.offer(self.hits.t.0[lane], barycentrics, self.id, self.mesh.triangle_at(start + lane));
+            self.search.offer(self.hits.t.0[lane], barycentrics, self.id, self.mesh.triangle_at(start, count, lane));
         }
         while again != 0 {
             let lane = again.trailing_zeros() as usize;
             again &= again - 1;
             if let Some(hit) = scalar_test(self.mesh, start, count, lane, self.ray, self.search.limit) {
-                self.search.offer(hit.t, hit.barycentrics, self.id, self.mesh.triangle_at(start + lane));
+                self.search.offer(hit.t, hit.barycentrics, self.id, self.mesh.triangle_at(start, count, lane));
             }
         }
     }

@@ -179,8 +179,7 @@ mod tests {
 
     #[test]
     fn version_is_read_from_cmake() {
-        let text =
-            "set(PXR_MAJOR_VERSION \"0\")\nset(PXR_MINOR_VERSION \"25\")\nset(PXR_PATCH_VERSION \"8\") # Must not have leading 0\n";
+        let text = "set(PXR_MAJOR_VERSION \"0\")\nset(PXR_MINOR_VERSION \"25\")\nset(PXR_PATCH_VERSION \"8\") # Must not have leading 0\n";
         assert_eq!(cmake_number(text, "PXR_MINOR_VERSION"), Some(25));
         assert_eq!(cmake_number(text, "PXR_PATCH_VERSION"), Some(8));
         assert_eq!(cmake_number(text, "PXR_VERSION"), None);
