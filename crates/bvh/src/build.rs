@@ -1,7 +1,7 @@
 //! Building: a binary tree by the surface area heuristic, which is then laid out wide.
 //!
-//! Large trees are split from the top by binned costs ([`grow`]); obvhs then moves subtrees to where they
-//! cost less (`optimize`), as far as the number of primitives leaves time for it.
+//! Trees are split from the top by binned costs ([`grow`]); obvhs then moves subtrees of the top to where they
+//! cost less (`optimize`).
 
 #[cfg(test)]
 use glam::Vec3;
@@ -48,22 +48,16 @@ impl BinaryTree {
     /// Builds over finite boxes, at least one of them, that are neither too large nor too small for their
     /// areas to be floats.
     ///
-    /// Where primitives are `costly` to visit, as instances are, more time goes into the tree, and each is a leaf
-    /// of its own.
+    /// Each primitive is a leaf of its own. Where they are not `costly` to visit, as instances are, several are
+    /// taken to cost as much as one.
     pub fn build(boxes: Vec<PrimitiveBox>, costly: bool) -> Self {
-        let (leaf_size, block) = if costly { (1, 1) } else { (LEAF_SIZE, BLOCK) };
-        let part = match boxes.len() {
-            n if costly && n <= 200_000 => 0.1,
-            n if n <= 20_000 => 0.1,
-            _ => 0.0,
-        };
-        let tree = grow::grow(boxes, grow::Shape { leaf_size, block, most_levels: MOST_LEVELS });
-        if part > 0.0 { optimize::reinsert(tree, part) } else { tree }
+        let block = if costly { 1 } else { BLOCK };
+        grow::grow(boxes, grow::Shape { leaf_size: 1, block, most_levels: MOST_LEVELS, optimize: true })
     }
 
     /// A balanced tree, for boxes that make the other one degenerate into a chain.
     pub fn balanced(boxes: Vec<PrimitiveBox>, leaf_size: usize) -> Self {
-        grow::grow(boxes, grow::Shape { leaf_size, block: 1, most_levels: 0 })
+        grow::grow(boxes, grow::Shape { leaf_size, block: 1, most_levels: 0, optimize: false })
     }
 }
 
@@ -87,8 +81,6 @@ impl BinaryTree {
     }
 }
 
-/// Sets of up to as many triangles are not split further here.
-const LEAF_SIZE: usize = 2;
 /// Triangles that are about as costly to visit together as one.
 const BLOCK: usize = 4;
 /// Levels after which sets are halved, so that no tree is much deeper.

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::DAffine3;
 use rayon::prelude::*;
 use umber_math::{Bounds3, Ray, Transform};
 
 use crate::{
+    cover::Covers,
     mesh::MeshBvh,
     path::{InstancePath, MAX_DEPTH},
     ray::TraversalRay,
@@ -30,10 +31,24 @@ pub enum Child {
 }
 
 impl Child {
-    fn bounds(&self) -> Bounds3 {
+    pub(crate) fn bounds(&self) -> Bounds3 {
         match self {
             Self::Mesh { bvh, .. } => bvh.bounds(),
             Self::Group(group) => group.bounds(),
+        }
+    }
+    /// Boxes that together hold it, closer around it than one.
+    pub(crate) fn cover(&self) -> Vec<Bounds3> {
+        match self {
+            Self::Mesh { bvh, .. } => bvh.tree().cover(),
+            Self::Group(group) => group.tree.cover(),
+        }
+    }
+    /// Tells apart what is shown; the same for all instances of one mesh or group.
+    pub(crate) fn address(&self) -> usize {
+        match self {
+            Self::Mesh { bvh, .. } => Arc::as_ptr(bvh) as usize,
+            Self::Group(group) => Arc::as_ptr(group) as usize,
         }
     }
     /// Levels of groups below.
@@ -98,11 +113,11 @@ impl InstanceBvh {
     /// [`MAX_DEPTH`] levels, can't be hit and are told by [`InstanceBvh::skipped`].
     pub fn build(instances: Vec<Instance>) -> Self {
         let (mut boxes, mut placed, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
-        let mut depth = 1;
+        let (mut depth, mut covers) = (1, Covers::default());
         for (index, instance) in instances.iter().enumerate() {
             let index = index as u32;
             let fits = instance.child.depth() < MAX_DEPTH && placed.len() < MAX_PRIMITIVES;
-            match place(instance, index).filter(|_| fits) {
+            match place(instance, index, &mut covers).filter(|_| fits) {
                 None => skipped.push(index),
                 Some((_, bounds)) if bounds.is_empty() => {}
                 Some((p, bounds)) => {
@@ -222,6 +237,16 @@ impl InstanceBvh {
         &self.tree
     }
 
+    /// The mesh where it is all there is and stands where it is: then no level of instances is paid for. With
+    /// its number and its instance's.
+    #[inline(always)]
+    pub(crate) fn only_mesh(&self) -> Option<(&MeshBvh, u32, u32)> {
+        match &self.placed[..] {
+            [Placed { child: Child::Mesh { bvh, mesh }, index, is_identity: true, .. }] => Some((bvh, *mesh, *index)),
+            _ => None,
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn placed(&self, slot: usize) -> &Placed {
         &self.placed[slot]
@@ -229,38 +254,13 @@ impl InstanceBvh {
 }
 
 /// An instance made ready, and its box. `None` where its transform can't be inverted.
-fn place(instance: &Instance, index: u32) -> Option<(Placed, Bounds3)> {
+fn place(instance: &Instance, index: u32, covers: &mut Covers) -> Option<(Placed, Bounds3)> {
     let m = instance.parent_from_child;
     Transform::from_affine(m)?;
     let bounds = instance.child.bounds();
     let is_identity = m == DAffine3::IDENTITY;
-    let bounds = if bounds.is_empty() || is_identity { bounds } else { placed_bounds(&m, bounds) };
+    let bounds = if bounds.is_empty() || is_identity { bounds } else { covers.of(&instance.child).placed(&m) };
     let finite = bounds.is_empty() || is_identity || bounds.min.is_finite() && bounds.max.is_finite();
     let placed = || Placed { child_from_parent: m.inverse(), child: instance.child.clone(), index, is_identity };
     finite.then(|| (placed(), bounds))
-}
-
-/// A box around the transformed box, with a margin for the rounding of the ray that is taken into
-/// the child's space: a few units in the last place of the coordinates met there.
-fn placed_bounds(m: &DAffine3, child: Bounds3) -> Bounds3 {
-    let corners = child.corners().map(|c| m.transform_point3(c.0.as_dvec3()));
-    let low = corners.iter().fold(DVec3::INFINITY, |a, c| a.min(*c));
-    let high = corners.iter().fold(DVec3::NEG_INFINITY, |a, c| a.max(*c));
-    let reach = child.min.abs().max(child.max.abs()).as_dvec3();
-    let linear = m.matrix3;
-    let spread = linear.x_axis.abs() * reach.x + linear.y_axis.abs() * reach.y + linear.z_axis.abs() * reach.z;
-    let margin = (spread + low.abs().max(high.abs())) * 8.0 * f64::from(f32::EPSILON);
-    let (low, high) = ((low - margin).as_vec3(), (high + margin).as_vec3());
-    Bounds3 { min: low.map_each(f32::next_down), max: high.map_each(f32::next_up) }
-}
-
-/// Applies a function to each component.
-trait MapEach {
-    fn map_each(self, f: impl Fn(f32) -> f32) -> Self;
-}
-
-impl MapEach for Vec3 {
-    fn map_each(self, f: impl Fn(f32) -> f32) -> Self {
-        Self::new(f(self.x), f(self.y), f(self.z))
-    }
 }

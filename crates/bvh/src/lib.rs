@@ -10,6 +10,7 @@
 
 mod bounds_bvh;
 mod build;
+mod cover;
 mod instance;
 mod mesh;
 mod path;

@@ -27,7 +27,7 @@ pub(crate) struct TraversalRay {
 
 impl TraversalRay {
     /// `None` where no hit is possible: origin or direction not finite, or the direction zero.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let sheared = ShearedRay::new(ray)?;
         let direction = ray.direction.0;
@@ -45,7 +45,7 @@ impl TraversalRay {
 
     /// The same ray in the space of a child; `t` keeps its meaning. In double precision, so that
     /// children far from their parent's origin lose nothing.
-    #[inline]
+    #[inline(always)]
     pub fn transformed(&self, child_from_parent: &DAffine3) -> Option<Self> {
         let origin = child_from_parent.transform_point3(self.sheared.origin.as_dvec3()).as_vec3();
         let direction = child_from_parent.transform_vector3(self.sheared.direction.as_dvec3()).as_vec3();

@@ -163,33 +163,40 @@ macro_rules! compile_traversals {
 }
 use compile_traversals;
 
+/// Calls a traversal on a level.
+macro_rules! on_level {
+    ($level:expr, $traversal:ident($($argument:expr),*)) => {
+        // SAFETY: levels other than portable come from `available`, by `best` and `or_best`.
+        unsafe {
+            match $level {
+                #[cfg(target_arch = "x86_64")]
+                SimdLevel::Avx2 => avx2::Avx2::$traversal($($argument),*),
+                #[cfg(target_arch = "x86_64")]
+                SimdLevel::Avx512 => avx512::Avx512::$traversal($($argument),*),
+                _ => portable::Portable::$traversal($($argument),*),
+            }
+        }
+    };
+}
+
 /// Closest hit in a group.
 #[inline]
 pub(crate) fn group_closest(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
-    // SAFETY: levels other than portable come from `available`, by `best` and `or_best`.
-    unsafe {
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx2 => avx2::Avx2::group_closest(group, ray, search),
-            #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx512 => avx512::Avx512::group_closest(group, ray, search),
-            _ => portable::Portable::group_closest(group, ray, search),
+    match group.only_mesh() {
+        Some((bvh, mesh, index)) => {
+            search.path.push(index);
+            on_level!(level, mesh_closest(bvh, mesh, ray, search));
         }
+        None => on_level!(level, group_closest(group, ray, search)),
     }
 }
 
 /// Whether anything of a group is hit up to and with `limit`.
 #[inline]
 pub(crate) fn group_any(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
-    // SAFETY: as above.
-    unsafe {
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx2 => avx2::Avx2::group_any(group, ray, limit),
-            #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx512 => avx512::Avx512::group_any(group, ray, limit),
-            _ => portable::Portable::group_any(group, ray, limit),
-        }
+    match group.only_mesh() {
+        Some((bvh, ..)) => on_level!(level, mesh_any(bvh, ray, limit)),
+        None => on_level!(level, group_any(group, ray, limit)),
     }
 }
 

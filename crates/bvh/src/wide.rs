@@ -66,6 +66,10 @@ impl WideNode {
             self.planes[2 * axis + 1][child] = b.max[axis];
         }
     }
+    fn child_bounds(&self, child: usize) -> Bounds3 {
+        let corner = |k: usize| Vec3::from([0, 1, 2].map(|axis| self.planes[2 * axis + k][child]));
+        Bounds3 { min: corner(0), max: corner(1) }
+    }
     fn bounds(&self) -> Bounds3 {
         let low = |axis: usize| self.planes[2 * axis].iter().copied().fold(f32::INFINITY, f32::min);
         let high = |axis: usize| self.planes[2 * axis + 1].iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -142,6 +146,23 @@ impl WideTree {
         }
     }
 
+    /// Boxes that hold all primitives: those two levels down, at most [`WIDTH`]².
+    pub fn cover(&self) -> Vec<Bounds3> {
+        let children = |child: ChildRef| {
+            let node = (!child.is_leaf()).then(|| &self.nodes[child.0 as usize]);
+            node.into_iter().flat_map(|n| (0..WIDTH).map(move |slot| (n.children[slot], n.child_bounds(slot))))
+        };
+        let mut boxes = Vec::new();
+        for (child, bounds) in children(self.root).filter(|(c, _)| *c != ChildRef::NONE) {
+            let before = boxes.len();
+            boxes.extend(children(child).filter(|(c, _)| *c != ChildRef::NONE).map(|(_, bounds)| bounds));
+            if boxes.len() == before {
+                boxes.push(bounds);
+            }
+        }
+        if boxes.is_empty() { vec![self.bounds] } else { boxes }
+    }
+
     /// First primitive and number of primitives of each leaf.
     pub fn leaves(&self) -> impl Iterator<Item = (usize, usize)> {
         let root = self.nodes.is_empty().then_some(&self.root);
@@ -196,7 +217,7 @@ mod tests {
     #[test]
     fn parents_hold_their_children_and_every_primitive_is_in_one_leaf() {
         for (primitives, leaf_size) in [(3000, 1), (3000, 3), (3000, 8), (70_000, 8), (1, 8), (8, 8), (9, 8)] {
-            let corner = |i: u32| Point3::new((i * 7919 % 101) as f32, (i * 104_729 % 97) as f32, (i * 31 % 89) as f32);
+            let corner = |i: u32| Point3::new((i * 7919 % 101) as f32, (i * 4729 % 97) as f32, (i * 31 % 89) as f32);
             let bounds = |i: u32| Some(Bounds3::of_points([corner(i), Point3(corner(i).0 + 1.5)]));
             let (tree, order) = WideTree::build(primitives, leaf_size, |i| bounds(i).filter(|_| i % 100 != 99));
             let mut slots = vec![0; primitives];
@@ -217,8 +238,7 @@ mod tests {
                         assert!(child.0 as usize > i, "a child lies before its parent");
                         tree.nodes[child.0 as usize].bounds()
                     };
-                    let planes = |k: usize| Vec3::from([0, 1, 2].map(|axis| node.planes[2 * axis + k][slot]));
-                    assert_eq!((planes(0), planes(1)), (within.min, within.max));
+                    assert_eq!(node.child_bounds(slot), within);
                 }
             }
         }

@@ -42,13 +42,15 @@ pub struct ShearedRay {
     pub direction: Vec3,
     /// Axes that become x, y and z; z is the one along which the direction is longest.
     pub axes: [usize; 3],
+    /// The origin along these axes.
+    pub start: Vec3,
     /// Shear in x and y, and scale in z.
     pub shear: Vec3,
 }
 
 impl ShearedRay {
     /// From a ray. `None` where its origin or direction is not finite, or the direction zero.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let (o, d) = (ray.origin.0, ray.direction.0);
         if !o.is_finite() || !d.is_finite() || d == Vec3::ZERO {
@@ -59,9 +61,13 @@ impl ShearedRay {
         let y_over_x = usize::from(a.y > a.x);
         let axis = y_over_x + usize::from(a.z > a.x.max(a.y)) * (2 - y_over_x);
         let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][axis];
-        let z = d[axes[2]];
-        let shear = Vec3::new(d[axes[0]] / z, d[axes[1]] / z, 1.0 / z);
-        Some(Self { origin: o, direction: d, axes, shear })
+        let along = |v: Vec3| {
+            let v = v.to_array();
+            Vec3::from(axes.map(|axis: usize| v[axis]))
+        };
+        let (start, d_axes) = (along(o), along(d));
+        let shear = Vec3::new(d_axes.x / d_axes.z, d_axes.y / d_axes.z, 1.0 / d_axes.z);
+        Some(Self { origin: o, direction: d, axes, start, shear })
     }
 
     /// The hit with a triangle, seen from either side, for which `t_min < t < t_max`.
@@ -99,9 +105,9 @@ impl ShearedRay {
     /// A point in the ray's space, where the ray starts at zero and goes along z; z is not yet scaled to `t`.
     #[inline]
     fn sheared(&self, p: Point3) -> (f32, f32, f32) {
-        let q = p.0 - self.origin;
-        let [kx, ky, kz] = self.axes;
-        (q[kx] - self.shear.x * q[kz], q[ky] - self.shear.y * q[kz], q[kz])
+        let p = p.0.to_array();
+        let q = Vec3::from(self.axes.map(|axis| p[axis])) - self.start;
+        (q.x - self.shear.x * q.z, q.y - self.shear.y * q.z, q.z)
     }
 
     /// Where the ray meets a triangle's plane, in double precision from the vertices as they are; within the

@@ -1,6 +1,8 @@
-//! Where to split a set: costs at a few planes along each axis.
+//! Where to split a set: costs at a few planes along each axis, and at a few sizes.
 //!
-//! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies".
+//! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies". That sorts by position alone, which
+//! spreads the large primitives of a set, as the walls around a fine mesh, over boxes that overlap from then on. So
+//! large sets are binned by size as well: the heuristic itself tells where to set the large ones apart.
 
 use glam::Vec4;
 
@@ -8,6 +10,13 @@ use super::primitive::{Box4, PrimitiveBox};
 
 /// Most bins along an axis.
 pub(super) const MOST_BINS: usize = 32;
+
+/// What primitives are binned by: the axes, and size.
+const KEYS: usize = 4;
+/// The key that is no axis.
+const SIZE: usize = 3;
+/// Sets of at least as many primitives are binned by size as well.
+const SIZED_SET: usize = 256;
 
 /// Added to a number of up to 2²², this leaves it, rounded, in the low bits.
 const ROUND: f32 = 12_582_912.0;
@@ -18,11 +27,13 @@ pub(super) struct Mapping {
     base: Vec4,
     scale: Vec4,
     pub bins: usize,
+    /// One over the set's extent, where size counts.
+    per_extent: Option<f32>,
 }
 
 impl Mapping {
-    /// For primitives whose doubled centers lie in a box.
-    pub fn new(centers: Box4, count: usize) -> Self {
+    /// For primitives with these bounds, whose doubled centers lie in a box.
+    pub fn new(bounds: Box4, centers: Box4, count: usize) -> Self {
         let bins = MOST_BINS.min(4 + count / 16);
         let size = centers.high - centers.low;
         let scale = Vec4::splat(bins as f32 - 0.02) / size;
@@ -30,7 +41,27 @@ impl Mapping {
         let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::INFINITY);
         let mut scale = Vec4::select(usable, scale, Vec4::ZERO);
         scale.w = 0.0;
-        Self { base: centers.low, scale, bins }
+        let per_extent = bounds.extent().recip();
+        let per_extent = (count >= SIZED_SET && per_extent.is_finite()).then_some(per_extent);
+        Self { base: centers.low, scale, bins, per_extent }
+    }
+
+    fn bins_by(&self, key: usize) -> usize {
+        if key == SIZE { MOST_BINS } else { self.bins }
+    }
+
+    /// What primitives are binned by.
+    fn keys(&self) -> std::ops::Range<usize> {
+        0..if self.per_extent.is_some() { KEYS } else { SIZE }
+    }
+
+    /// The bin along an axis, or by size.
+    #[inline(always)]
+    fn bin_of(&self, p: &PrimitiveBox, key: usize) -> usize {
+        match self.per_extent {
+            Some(per_extent) if key == SIZE => size_bin(p, per_extent),
+            _ => self.bins_of(p)[key % SIZE],
+        }
     }
 
     #[inline(always)]
@@ -40,17 +71,24 @@ impl Mapping {
     }
 }
 
-/// The boxes and numbers of primitives, by axis and bin.
-#[derive(Clone)]
-pub(super) struct Bins {
-    boxes: [[Box4; MOST_BINS]; 3],
-    pub counts: [[u32; MOST_BINS]; 3],
+/// A bin for each halving of the size; the largest are in the first.
+#[inline(always)]
+fn size_bin(p: &PrimitiveBox, per_extent: f32) -> usize {
+    let exponent = (p.extent() * per_extent).to_bits() >> 23;
+    127u32.saturating_sub(exponent).min(MOST_BINS as u32 - 1) as usize
 }
 
-/// A plane between two bins.
+/// The boxes and numbers of primitives, by key and bin.
+#[derive(Clone)]
+pub(super) struct Bins {
+    boxes: [[Box4; MOST_BINS]; KEYS],
+    pub counts: [[u32; MOST_BINS]; KEYS],
+}
+
+/// A limit between two bins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
-    pub axis: usize,
+    pub key: usize,
     /// First bin on the right.
     pub bin: usize,
 }
@@ -58,20 +96,21 @@ pub(super) struct Split {
 impl Split {
     #[inline(always)]
     pub fn is_right(&self, mapping: &Mapping, p: &PrimitiveBox) -> bool {
-        mapping.bins_of(p)[self.axis] >= self.bin
+        mapping.bin_of(p, self.key) >= self.bin
     }
 }
 
 impl Bins {
     pub fn new() -> Self {
-        Self { boxes: [[Box4::EMPTY; MOST_BINS]; 3], counts: [[0; MOST_BINS]; 3] }
+        Self { boxes: [[Box4::EMPTY; MOST_BINS]; KEYS], counts: [[0; MOST_BINS]; KEYS] }
     }
 
     /// Empties those that a mapping uses.
     pub fn clear(&mut self, mapping: &Mapping) {
-        for axis in 0..3 {
-            self.boxes[axis][..mapping.bins].fill(Box4::EMPTY);
-            self.counts[axis][..mapping.bins].fill(0);
+        for key in mapping.keys() {
+            let bins = mapping.bins_by(key);
+            self.boxes[key][..bins].fill(Box4::EMPTY);
+            self.counts[key][..bins].fill(0);
         }
     }
 
@@ -86,40 +125,47 @@ impl Bins {
             self.boxes[2][z].add(p);
             self.counts[2][z] += 1;
         }
-    }
-
-    pub fn merge(&mut self, other: &Self) {
-        for axis in 0..3 {
-            for i in 0..MOST_BINS {
-                self.boxes[axis][i] = self.boxes[axis][i].union(other.boxes[axis][i]);
-                self.counts[axis][i] += other.counts[axis][i];
+        if let Some(per_extent) = mapping.per_extent {
+            for p in primitives {
+                let bin = size_bin(p, per_extent);
+                self.boxes[SIZE][bin].add(p);
+                self.counts[SIZE][bin] += 1;
             }
         }
     }
 
-    /// The split of least cost; none where all are in one bin along each axis. `block` primitives cost as much as one.
+    pub fn merge(&mut self, other: &Self) {
+        for key in 0..KEYS {
+            for i in 0..MOST_BINS {
+                self.boxes[key][i] = self.boxes[key][i].union(other.boxes[key][i]);
+                self.counts[key][i] += other.counts[key][i];
+            }
+        }
+    }
+
+    /// The split of least cost; none where all are in one bin by each key. `block` primitives cost as much as one.
     pub fn best_split(&self, mapping: &Mapping, block: usize) -> Option<Split> {
         let round_up = block as u32 - 1;
         let shift = block.trailing_zeros();
         let blocks = |count: u32| ((count + round_up) >> shift) as f32;
         let mut best = (f32::INFINITY, None);
         let mut right_costs = [0.0; MOST_BINS];
-        for axis in 0..3 {
-            let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
+        for key in mapping.keys() {
+            let (boxes, counts, bins) = (&self.boxes[key], &self.counts[key], mapping.bins_by(key));
             let (mut right, mut count) = (Box4::EMPTY, 0);
-            for i in (1..mapping.bins).rev() {
+            for i in (1..bins).rev() {
                 right = right.union(boxes[i]);
                 count += counts[i];
                 // A side without primitives is no split.
                 right_costs[i] = if count == 0 { f32::INFINITY } else { right.half_area() * blocks(count) };
             }
             let (mut left, mut count) = (Box4::EMPTY, 0);
-            for i in 1..mapping.bins {
+            for i in 1..bins {
                 left = left.union(boxes[i - 1]);
                 count += counts[i - 1];
                 let cost = left.half_area() * blocks(count) + right_costs[i];
                 if count > 0 && cost < best.0 {
-                    best = (cost, Some(Split { axis, bin: i }));
+                    best = (cost, Some(Split { key, bin: i }));
                 }
             }
         }

@@ -40,6 +40,11 @@ impl PrimitiveBox {
     pub fn bounds(&self) -> Bounds3 {
         Bounds3 { min: self.low.truncate(), max: self.high.truncate() }
     }
+    /// Longest edge of the box.
+    #[inline(always)]
+    pub fn extent(&self) -> f32 {
+        (self.high - self.low).truncate().max_element()
+    }
     /// Twice the middle of the box.
     #[inline(always)]
     pub fn center2(&self) -> Vec4 {
@@ -70,6 +75,10 @@ impl Box4 {
     #[inline(always)]
     pub fn union(self, o: Self) -> Self {
         Self { low: self.low.min(o.low), high: self.high.max(o.high) }
+    }
+    /// Longest edge.
+    pub fn extent(self) -> f32 {
+        (self.high - self.low).truncate().max_element()
     }
     /// Half the surface; zero where empty.
     #[inline(always)]

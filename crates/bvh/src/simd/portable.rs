@@ -52,13 +52,13 @@ impl Isa for Portable {
     ) -> LaneMasks {
         let mut masks = LaneMasks { hit: 0, again: 0 };
         let [kx, ky, kz] = ray.sheared.axes;
-        let (o, s) = (ray.sheared.origin, ray.sheared.shear);
+        let (o, s) = (ray.sheared.start, ray.sheared.shear);
         for lane in 0..count {
             let vertex = |v: usize| {
                 // SAFETY: nine rows of `count` floats are readable.
-                let q = |k: usize| unsafe { *rows.add((3 * v + k) * count + lane) } - o[k];
-                let z = q(kz);
-                (q(kx) - s.x * z, q(ky) - s.y * z, z)
+                let at = |k: usize| unsafe { *rows.add((3 * v + k) * count + lane) };
+                let z = at(kz) - o.z;
+                ((at(kx) - o.x) - s.x * z, (at(ky) - o.y) - s.y * z, z)
             };
             let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (vertex(0), vertex(1), vertex(2));
             let u = cx * by - cy * bx;

@@ -77,10 +77,10 @@ pub(super) unsafe fn edges(rows: *const f32, count: usize, ray: &TraversalRay) -
 unsafe fn vertex(rows: *const f32, count: usize, ray: &TraversalRay) -> (__m256, __m256, __m256) {
     // SAFETY: the caller's promise; axes are below three.
     unsafe {
-        let ([kx, ky, kz], s) = (ray.sheared.axes, ray.sheared.shear);
-        let z = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kz * count)), _mm256_set1_ps(ray.origin(kz)));
-        let x = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kx * count)), _mm256_set1_ps(ray.origin(kx)));
-        let y = _mm256_sub_ps(_mm256_loadu_ps(rows.add(ky * count)), _mm256_set1_ps(ray.origin(ky)));
+        let ([kx, ky, kz], o, s) = (ray.sheared.axes, ray.sheared.start, ray.sheared.shear);
+        let z = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kz * count)), _mm256_set1_ps(o.z));
+        let x = _mm256_sub_ps(_mm256_loadu_ps(rows.add(kx * count)), _mm256_set1_ps(o.x));
+        let y = _mm256_sub_ps(_mm256_loadu_ps(rows.add(ky * count)), _mm256_set1_ps(o.y));
         let x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(s.x), z));
         let y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(s.y), z));
         (x, y, z)
