@@ -1,9 +1,9 @@
 //! Measures: peers take turns, and the median counts.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use cpu_time::{ProcessTime, ThreadTime};
+use cpu_time::ThreadTime;
 use serde::Serialize;
 
 #[cfg(embree)]
@@ -72,8 +72,10 @@ pub struct SceneResult {
     pub triangles: usize,
     /// Instances.
     pub instances: usize,
-    /// Processor time of each peer's build on one thread, seconds.
+    /// Time of each peer's build on one thread, seconds.
     pub build_seconds: Vec<f64>,
+    /// The same on two threads.
+    pub build_seconds_two_threads: Vec<f64>,
     /// Each peer's hierarchies, bytes a triangle stored, without points and indices.
     pub bytes_per_triangle: Vec<f64>,
     /// By kind of ray.
@@ -85,12 +87,15 @@ pub struct SceneResult {
 /// # Errors
 /// A peer reports one.
 pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let mut seconds = vec![Vec::new(); PEERS.len()];
-    for _ in 1..effort.builds.max(1) {
-        build(scene, &pool, &mut seconds)?;
+    let mut seconds = [vec![Vec::new(); PEERS.len()], vec![Vec::new(); PEERS.len()]];
+    for _ in 0..effort.builds.max(1) {
+        build(scene, 2, &mut seconds[1])?;
     }
-    let (umber, peers, bytes) = build(scene, &pool, &mut seconds)?;
+    for _ in 1..effort.builds.max(1) {
+        build(scene, 1, &mut seconds[0])?;
+    }
+    let (umber, peers, bytes) = build(scene, 1, &mut seconds[0])?;
+    let [one_thread, two_threads] = seconds.map(|seconds| seconds.into_iter().map(median).collect());
     let tracers: Vec<&dyn Tracer> = std::iter::once(&umber as &dyn Tracer).chain(peers.iter().map(|p| &**p)).collect();
     let sets = rays::sets(scene, &umber, effort.rays);
     let triangles = scene.triangle_count();
@@ -98,7 +103,8 @@ pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
         scene: scene.name.clone(),
         triangles,
         instances: scene.instances.len(),
-        build_seconds: seconds.into_iter().map(median).collect(),
+        build_seconds: one_thread,
+        build_seconds_two_threads: two_threads,
         bytes_per_triangle: bytes.iter().map(|&b| b as f64 / triangles.max(1) as f64).collect(),
         kinds: sets.iter().map(|set| kind(set, &tracers, effort.rounds)).collect(),
     })
@@ -106,19 +112,20 @@ pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
 
 type Built = (UmberScene, Vec<Box<dyn Tracer>>, Vec<usize>);
 
-/// Builds everything once and notes the processor time of each.
-fn build(scene: &Scene, pool: &rayon::ThreadPool, seconds: &mut [Vec<f64>]) -> Result<Built> {
-    let start = ProcessTime::now();
+/// Builds everything once on a number of threads and notes the time of each.
+fn build(scene: &Scene, threads: usize, seconds: &mut [Vec<f64>]) -> Result<Built> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let start = Instant::now();
     let umber = pool.install(|| UmberScene::build(scene));
     seconds[0].push(start.elapsed().as_secs_f64());
     #[allow(unused_mut)]
     let (mut peers, mut bytes): (Vec<Box<dyn Tracer>>, _) = (Vec::new(), vec![umber.hierarchy_bytes()]);
     #[cfg(embree)]
     {
-        let device = Device::new(1)?;
+        let device = Device::new(threads)?;
         for (robust, seconds) in [false, true].into_iter().zip(&mut seconds[1..]) {
             // The buffers of points and indices are filled meanwhile: a few milliseconds a million.
-            let start = ProcessTime::now();
+            let start = Instant::now();
             let built = EmbreeScene::build(&device, scene, robust)?;
             seconds.push(start.elapsed().as_secs_f64());
             bytes.push(built.hierarchy_bytes);

@@ -46,6 +46,7 @@ pub fn text(scene: &SceneResult) -> String {
             PEERS.iter().map(|p| format!("{:>9}", p.replace("Embree robust", "robust"))).collect::<String>()
         ),
         format!("  {:<12}{}  s, one thread", "build", list(&scene.build_seconds, 3)),
+        format!("  {:<12}{}  s, two threads", "", list(&scene.build_seconds_two_threads, 3)),
         format!("  {:<12}{}  bytes a triangle", "memory", list(&scene.bytes_per_triangle, 1)),
     ];
     for kind in &scene.kinds {

@@ -1,6 +1,9 @@
 //! The hierarchy of one mesh's triangles.
 
+use std::mem;
+
 use glam::Vec3;
+use rayon::prelude::*;
 use umber_math::{Bounds3, Point3};
 
 use crate::wide::{MAX_PRIMITIVES, WIDTH, WideTree};
@@ -9,6 +12,8 @@ use crate::wide::{MAX_PRIMITIVES, WIDTH, WideTree};
 const WORDS: usize = 10;
 /// The row of the caller's indices.
 const INDEX_ROW: usize = 9;
+/// Leaves that one thread fills at a time.
+const LEAVES_A_PIECE: usize = 2048;
 
 /// Triangles of one mesh, in the mesh's own (object) space.
 ///
@@ -50,17 +55,32 @@ impl MeshBvh {
 
     /// Fills in the coordinates, leaf by leaf, and the indices where the `order` of the triangles is given.
     fn store(&mut self, points: &[Point3], triangles: &[[u32; 3]], order: Option<&[u32]>) {
-        for (start, count) in self.tree.leaves() {
-            let rows = &mut self.leaves[start * WORDS..(start + count) * WORDS];
-            for lane in 0..count {
-                let index = order.map_or(rows[INDEX_ROW * count + lane], |order| order[start + lane]);
-                rows[INDEX_ROW * count + lane] = index;
-                let p = corners(points, triangles, index).unwrap_or([Vec3::NAN; 3]);
-                for (row, value) in p.iter().flat_map(|v| v.to_array()).enumerate() {
-                    rows[row * count + lane] = value.to_bits();
+        let mut ranges: Vec<(usize, usize)> = self.tree.leaves().collect();
+        ranges.par_sort_unstable();
+        let mut rest = &mut self.leaves[..];
+        let mut pieces = Vec::new();
+        for ranges in ranges.chunks(LEAVES_A_PIECE) {
+            let words = ranges.iter().map(|(_, count)| count * WORDS).sum();
+            let (piece, after) = mem::take(&mut rest).split_at_mut(words);
+            rest = after;
+            pieces.push((ranges, piece));
+        }
+        pieces.into_par_iter().for_each(|(ranges, mut rest)| {
+            for &(start, count) in ranges {
+                let (rows, after) = mem::take(&mut rest).split_at_mut(count * WORDS);
+                rest = after;
+                let (rows, indices) = rows.split_at_mut(INDEX_ROW * count);
+                if let Some(order) = order {
+                    indices.copy_from_slice(&order[start..start + count]);
+                }
+                for (lane, &index) in indices.iter().enumerate() {
+                    let p = corners(points, triangles, index).unwrap_or([Vec3::NAN; 3]);
+                    for (row, value) in p.iter().flat_map(|v| v.to_array()).enumerate() {
+                        rows[row * count + lane] = value.to_bits();
+                    }
                 }
             }
-        }
+        });
     }
 
     /// The box around all triangles that can be hit.

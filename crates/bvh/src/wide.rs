@@ -4,9 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use umber_math::Bounds3;
 
-use crate::build::{BinaryTree, PrimitiveBox};
-
-mod collapse;
+use crate::build::{self, PrimitiveBox, Shape, Wide};
 
 /// Most children of a node, and most primitives of a leaf.
 pub(crate) const WIDTH: usize = 8;
@@ -56,11 +54,11 @@ pub(crate) struct WideNode {
 }
 
 impl WideNode {
-    fn empty() -> Self {
+    pub fn empty() -> Self {
         let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self { planes: [low, high, low, high, low, high], children: [ChildRef::NONE; WIDTH] }
     }
-    fn set_bounds(&mut self, child: usize, b: Bounds3) {
+    pub fn set_bounds(&mut self, child: usize, b: Bounds3) {
         for axis in 0..3 {
             self.planes[2 * axis][child] = b.min[axis];
             self.planes[2 * axis + 1][child] = b.max[axis];
@@ -97,10 +95,14 @@ impl WideTree {
             .into_par_iter()
             .map(|i| primitive(i).unwrap_or(PrimitiveBox::NONE))
             .collect_into_vec(&mut boxes);
-        let around = |a: Bounds3, b: &PrimitiveBox| a.union(b.bounds());
-        let all = boxes.par_chunks(1 << 14).map(|c| c.iter().fold(Bounds3::EMPTY, around));
-        let all = all.reduce(|| Bounds3::EMPTY, Bounds3::union);
-        boxes.retain(|b| !b.is_none());
+        let around = |(all, some): (Bounds3, usize), b: &PrimitiveBox| {
+            if b.is_none() { (all, some) } else { (all.union(b.bounds()), some + 1) }
+        };
+        let pieces = boxes.par_chunks(1 << 14).map(|c| c.iter().fold((Bounds3::EMPTY, 0), around));
+        let (all, some) = pieces.reduce(|| (Bounds3::EMPTY, 0), |a, b| (a.0.union(b.0), a.1 + b.1));
+        if some < boxes.len() {
+            boxes.retain(|b| !b.is_none());
+        }
         if boxes.is_empty() {
             return (Self { nodes: Vec::new(), root: ChildRef::NONE, bounds: Bounds3::EMPTY }, Vec::new());
         }
@@ -108,15 +110,13 @@ impl WideTree {
         if let Some(scale) = &scale {
             boxes.iter_mut().for_each(|b| *b = PrimitiveBox::new(scale.apply(b.bounds()), b.index()));
         }
-        let mut binary = BinaryTree::build(boxes, leaf_size == 1);
-        let mut collapsed = collapse::collapse(&binary, leaf_size);
-        if collapsed.stack_need > STACK_SIZE {
-            let boxes = binary.order.iter().filter_map(|&i| primitive(i)).collect();
-            binary = BinaryTree::balanced(boxes, leaf_size);
-            collapsed = collapse::collapse(&binary, leaf_size);
+        let shape = if leaf_size == 1 { Shape::of_costly() } else { Shape::of_triangles(leaf_size) };
+        let (mut wide, mut order) = build::build(boxes, shape);
+        if wide.stack_need > STACK_SIZE {
+            (wide, order) = build::build(order.iter().filter_map(|&i| primitive(i)).collect(), shape.balanced());
         }
-        let order = binary.order;
-        let mut tree = Self { nodes: collapsed.nodes, root: collapsed.root, bounds: all };
+        let Wide { nodes, root, .. } = wide;
+        let mut tree = Self { nodes, root, bounds: all };
         if scale.is_some() {
             let bounds = |i: &u32| bounds(*i).unwrap_or(Bounds3::EMPTY);
             tree.fit(|start, count| order[start..start + count].iter().fold(Bounds3::EMPTY, |b, i| b.union(bounds(i))));
@@ -198,21 +198,6 @@ impl Scale {
 mod tests {
     use super::*;
     use umber_math::Point3;
-
-    #[test]
-    fn chains_are_found_too_deep_and_balanced_trees_are_not() {
-        let count = 5000;
-        let boxes: Vec<PrimitiveBox> =
-            (0..count).map(|i| PrimitiveBox::new(Bounds3::of_points([Point3::new(i as f32, 0.0, 0.0)]), i)).collect();
-        let deep = collapse::collapse(&BinaryTree::chain(count), 1);
-        assert!(deep.stack_need > STACK_SIZE, "{}", deep.stack_need);
-        let tree = BinaryTree::balanced(boxes, 1);
-        let shallow = collapse::collapse(&tree, 1);
-        assert!(shallow.stack_need <= STACK_SIZE, "{}", shallow.stack_need);
-        let mut order = tree.order;
-        order.sort_unstable();
-        assert!(order.iter().copied().eq(0..count), "a primitive is lost");
-    }
 
     #[test]
     fn parents_hold_their_children_and_every_primitive_is_in_one_leaf() {

@@ -9,14 +9,14 @@ use glam::Vec4;
 use super::primitive::{Box4, PrimitiveBox};
 
 /// Most bins along an axis.
-pub(super) const MOST_BINS: usize = 32;
+const MOST_BINS: usize = 32;
 
 /// What primitives are binned by: the axes, and size.
 const KEYS: usize = 4;
 /// The key that is no axis.
 const SIZE: usize = 3;
 /// Sets of at least as many primitives are binned by size as well.
-const SIZED_SET: usize = 256;
+const SIZED_SET: usize = 1024;
 
 /// Added to a number of up to 2²², this leaves it, rounded, in the low bits.
 const ROUND: f32 = 12_582_912.0;
@@ -26,7 +26,7 @@ const ROUND: f32 = 12_582_912.0;
 pub(super) struct Mapping {
     base: Vec4,
     scale: Vec4,
-    pub bins: usize,
+    bins: usize,
     /// One over the set's extent, where size counts.
     per_extent: Option<f32>,
 }
@@ -65,7 +65,7 @@ impl Mapping {
     }
 
     #[inline(always)]
-    pub fn bins_of(&self, p: &PrimitiveBox) -> [usize; 3] {
+    fn bins_of(&self, p: &PrimitiveBox) -> [usize; 3] {
         let [x, y, z, _] = ((p.center2() - self.base) * self.scale - Vec4::splat(0.49) + Vec4::splat(ROUND)).to_array();
         [x, y, z].map(|v| v.to_bits() as usize & (MOST_BINS - 1))
     }
@@ -82,15 +82,15 @@ fn size_bin(p: &PrimitiveBox, per_extent: f32) -> usize {
 #[derive(Clone)]
 pub(super) struct Bins {
     boxes: [[Box4; MOST_BINS]; KEYS],
-    pub counts: [[u32; MOST_BINS]; KEYS],
+    counts: [[u32; MOST_BINS]; KEYS],
 }
 
 /// A limit between two bins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
-    pub key: usize,
+    key: usize,
     /// First bin on the right.
-    pub bin: usize,
+    bin: usize,
 }
 
 impl Split {
@@ -141,6 +141,11 @@ impl Bins {
                 self.counts[key][i] += other.counts[key][i];
             }
         }
+    }
+
+    /// Number of primitives on the left of a split.
+    pub fn count_left(&self, split: Split) -> usize {
+        self.counts[split.key][..split.bin].iter().sum::<u32>() as usize
     }
 
     /// The split of least cost; none where all are in one bin by each key. `block` primitives cost as much as one.

@@ -1,4 +1,4 @@
-//! A better top of the tree: subtrees are moved to where they cost less, by obvhs.
+//! A better tree from a good one: subtrees are moved to where they cost less, by obvhs.
 //!
 //! Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization".
 
@@ -8,30 +8,57 @@ use obvhs::{
 };
 use umber_math::Bounds3;
 
-use super::grow::{Fork, TopNode};
+use super::BinaryNode;
 
-/// How often each node is tried.
+/// How often nodes are tried.
 const ROUNDS: u32 = 4;
+/// Most nodes that are tried: those with the largest boxes.
+const MOST: usize = 4096;
 
-/// Moves nodes of the top of a tree, node 0 of which is the root.
-pub(super) fn reinsert(top: &[TopNode]) -> Vec<TopNode> {
-    let node = |n: &TopNode| {
+/// Moves nodes of a tree, each leaf of which has one thing. Gives the new tree, and the things' old places in the
+/// order of its leaves.
+pub(super) fn reinsert(nodes: &[BinaryNode]) -> (Vec<BinaryNode>, Vec<u32>) {
+    let node = |n: &BinaryNode| {
         let bounds = Aabb::new(n.bounds.min.into(), n.bounds.max.into());
-        match n.fork {
-            Fork::Children(first) => Bvh2Node::new(bounds, 0, first as u32),
-            Fork::Part(part) => Bvh2Node::new(bounds, 1, part as u32),
-        }
+        if n.is_leaf() { Bvh2Node::new(bounds, 1, n.start) } else { Bvh2Node::new(bounds, 0, n.first) }
     };
-    let mut bvh = Bvh2 { nodes: top.iter().map(node).collect(), ..Bvh2::default() };
-    let all: Vec<u32> = (1..top.len() as u32).collect();
-    ReinsertionOptimizer::default().run_with_candidates(&mut bvh, &all, ROUNDS);
-    bvh.nodes.iter().map(top_node).collect()
+    let mut bvh = Bvh2 { nodes: nodes.iter().map(node).collect(), ..Bvh2::default() };
+    let mut largest: Vec<u32> = (1..nodes.len() as u32).collect();
+    if largest.len() > MOST {
+        let area = |&i: &u32| nodes[i as usize].half_area();
+        largest.select_nth_unstable_by(MOST, |a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+        largest.truncate(MOST);
+    }
+    ReinsertionOptimizer::default().run_with_candidates(&mut bvh, &largest, ROUNDS);
+    ordered(&bvh.nodes)
 }
 
-fn top_node(n: &Bvh2Node) -> TopNode {
-    let at = n.first_index as usize;
-    TopNode {
-        bounds: Bounds3 { min: n.aabb().min.into(), max: n.aabb().max.into() },
-        fork: if n.is_leaf() { Fork::Part(at) } else { Fork::Children(at) },
+/// obvhs' tree as ours: children behind their parents.
+fn ordered(from: &[Bvh2Node]) -> (Vec<BinaryNode>, Vec<u32>) {
+    let copied = |n: &Bvh2Node| {
+        let bounds = Bounds3 { min: n.aabb().min.into(), max: n.aabb().max.into() };
+        BinaryNode { bounds, ..BinaryNode::leaf(0, 1) }
+    };
+    let mut nodes = Vec::with_capacity(from.len());
+    nodes.push(copied(&from[0]));
+    let mut leaves = Vec::with_capacity(from.len() / 2 + 1);
+    let mut work = vec![(0, 0)];
+    while let Some((at, old)) = work.pop() {
+        let first = from[old].first_index as usize;
+        nodes[at].start = leaves.len() as u32;
+        if from[old].is_leaf() {
+            leaves.push(first as u32);
+        } else {
+            nodes[at].first = nodes.len() as u32;
+            work.extend([(nodes.len() + 1, first + 1), (nodes.len(), first)]);
+            nodes.extend([copied(&from[first]), copied(&from[first + 1])]);
+        }
     }
+    for i in (0..nodes.len()).rev() {
+        if !nodes[i].is_leaf() {
+            let first = nodes[i].first as usize;
+            nodes[i].count = nodes[first].count + nodes[first + 1].count;
+        }
+    }
+    (nodes, leaves)
 }

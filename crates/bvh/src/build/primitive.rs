@@ -47,7 +47,7 @@ impl PrimitiveBox {
     }
     /// Twice the middle of the box.
     #[inline(always)]
-    pub fn center2(&self) -> Vec4 {
+    pub(super) fn center2(&self) -> Vec4 {
         self.low + self.high
     }
 }
@@ -62,13 +62,23 @@ pub(super) struct Box4 {
 impl Box4 {
     pub const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
+    /// Around primitives, and around their doubled centers.
+    #[inline]
+    pub fn around(primitives: &[PrimitiveBox]) -> (Self, Self) {
+        let (mut bounds, mut centers) = (Self::EMPTY, Self::EMPTY);
+        for p in primitives {
+            bounds.add(p);
+            centers.add_point(p.center2());
+        }
+        (bounds, centers)
+    }
     #[inline(always)]
     pub fn add(&mut self, p: &PrimitiveBox) {
         self.low = self.low.min(p.low);
         self.high = self.high.max(p.high);
     }
     #[inline(always)]
-    pub fn add_point(&mut self, p: Vec4) {
+    fn add_point(&mut self, p: Vec4) {
         self.low = self.low.min(p);
         self.high = self.high.max(p);
     }
