@@ -8,8 +8,10 @@ use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Sea
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod instances;
 mod portable;
 mod stack;
+mod triangles;
 mod walk;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -83,8 +85,15 @@ pub(crate) struct LaneHits {
 pub(crate) struct LaneMasks {
     /// Lanes with a hit.
     pub hit: u32,
+    /// Lanes with a hit that may be on either side of the ray's origin: their `t` is to be worked out in double
+    /// precision.
+    pub near: u32,
     /// Lanes to be done over by the scalar test, in double precision.
     pub again: u32,
+}
+
+impl LaneMasks {
+    pub const NONE: Self = Self { hit: 0, near: 0, again: 0 };
 }
 
 /// The tests on a vector unit, and the traversals compiled for it.
@@ -142,22 +151,22 @@ macro_rules! compile_traversals {
         $(#[target_feature(enable = $feature)])?
         unsafe fn mesh_closest(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
             // SAFETY: the caller vouches for the unit.
-            unsafe { walk::mesh_closest::<Self>(mesh, id, ray, search) }
+            unsafe { triangles::closest::<Self>(mesh, id, ray, search) }
         }
         $(#[target_feature(enable = $feature)])?
         unsafe fn mesh_any(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
             // SAFETY: the caller vouches for the unit.
-            unsafe { walk::mesh_any::<Self>(mesh, ray, limit) }
+            unsafe { triangles::any::<Self>(mesh, ray, limit) }
         }
         $(#[target_feature(enable = $feature)])?
         unsafe fn group_closest(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
             // SAFETY: the caller vouches for the unit.
-            unsafe { walk::group_closest::<Self>(group, ray, search) }
+            unsafe { instances::closest::<Self>(group, ray, search) }
         }
         $(#[target_feature(enable = $feature)])?
         unsafe fn group_any(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
             // SAFETY: the caller vouches for the unit.
-            unsafe { walk::group_any::<Self>(group, ray, limit) }
+            unsafe { instances::any::<Self>(group, ray, limit) }
         }
     };
 }

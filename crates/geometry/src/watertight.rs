@@ -112,11 +112,15 @@ impl ShearedRay {
 
     /// Where the ray meets a triangle's plane, in double precision from the vertices as they are; within the
     /// triangle's own depths, where it is seen edge-on and the plane is met somewhere else.
-    fn plane_parameter(&self, triangle: [Point3; 3]) -> f32 {
-        let direction = self.direction.as_dvec3();
-        let [a, b, c] = triangle.map(|p| p.0.as_dvec3() - self.origin.as_dvec3());
+    #[inline]
+    pub fn plane_parameter(&self, triangle: [Point3; 3]) -> f32 {
+        let (origin, direction) = (self.origin.as_dvec3(), self.direction.as_dvec3());
+        let [a, b, c] = triangle.map(|p| p.0.as_dvec3() - origin);
         let n = (b - a).cross(c - a);
-        let depths = [a, b, c].map(|p| p[self.axes[2]] / direction[self.axes[2]]);
+        let kz = self.axes[2];
+        let depth = |p: DVec3| p.to_array()[kz];
+        let per_depth = 1.0 / depth(direction);
+        let depths = [depth(a) * per_depth, depth(b) * per_depth, depth(c) * per_depth];
         let low = depths[0].min(depths[1]).min(depths[2]);
         let high = depths[0].max(depths[1]).max(depths[2]);
         // What is not a number becomes the lower end.

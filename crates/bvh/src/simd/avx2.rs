@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use umber_geometry::watertight::DETERMINANT_RANGE;
 
-use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, walk, x86};
+use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, instances, triangles, x86};
 use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideNode};
 
 /// AVX2 and the bit instructions that come with it.
@@ -43,7 +43,7 @@ impl Isa for Avx2 {
             let outside = _mm256_and_ps(any!(_CMP_LT_OQ, e, zero), any!(_CMP_GT_OQ, e, zero));
             let candidates = !(_mm256_movemask_ps(outside) as u32) & ((1 << count) - 1);
             if candidates == 0 {
-                return LaneMasks { hit: 0, again: 0 };
+                return LaneMasks::NONE;
             }
             let det = x86::determinant(&e);
             let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), det);
@@ -51,13 +51,13 @@ impl Isa for Avx2 {
             let large = _mm256_cmp_ps::<_CMP_NLE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.end()));
             let unsure = _mm256_or_ps(any!(_CMP_EQ_OQ, e, zero), _mm256_or_ps(small, large));
             let t = x86::resolve(&e, det, ray, out);
-            let (near, error) = x86::nearness(&e, det, t, ray);
-            let unsure = _mm256_or_ps(unsure, _mm256_cmp_ps::<_CMP_LE_OQ>(near, error));
             let again = _mm256_movemask_ps(unsure) as u32 & candidates;
+            let (distance, error) = x86::nearness(&e, det, t, ray);
+            let near = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(distance, error)) as u32 & candidates & !again;
             let after = _mm256_cmp_ps::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.t_min));
             let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
-            let hit = _mm256_movemask_ps(_mm256_and_ps(after, before)) as u32 & candidates & !again;
-            LaneMasks { hit, again }
+            let hit = _mm256_movemask_ps(_mm256_and_ps(after, before)) as u32 & candidates & !(again | near);
+            LaneMasks { hit, near, again }
         }
     }
 

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use umber_geometry::watertight::DETERMINANT_RANGE;
 
-use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, walk, x86};
+use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, instances, triangles, x86};
 use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideNode};
 
 /// AVX-512 F, VL, DQ and BW, and all of AVX2.
@@ -43,20 +43,20 @@ impl Isa for Avx512 {
             let outside = any!(_CMP_LT_OQ, e, zero) & any!(_CMP_GT_OQ, e, zero);
             let candidates = !u32::from(outside) & ((1 << count) - 1);
             if candidates == 0 {
-                return LaneMasks { hit: 0, again: 0 };
+                return LaneMasks::NONE;
             }
             let det = x86::determinant(&e);
             let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), det);
             let small = _mm256_cmp_ps_mask::<_CMP_NGE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.start()));
             let large = _mm256_cmp_ps_mask::<_CMP_NLE_UQ>(size, _mm256_set1_ps(*DETERMINANT_RANGE.end()));
             let t = x86::resolve(&e, det, ray, out);
-            let (near, error) = x86::nearness(&e, det, t, ray);
-            let unsure = any!(_CMP_EQ_OQ, e, zero) | small | large | _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, error);
-            let again = u32::from(unsure) & candidates;
+            let again = u32::from(any!(_CMP_EQ_OQ, e, zero) | small | large) & candidates;
+            let (distance, error) = x86::nearness(&e, det, t, ray);
+            let near = u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(distance, error)) & candidates & !again;
             let after = _mm256_cmp_ps_mask::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.t_min));
             let before = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
-            let hit = u32::from(after & before) & candidates & !again;
-            LaneMasks { hit, again }
+            let hit = u32::from(after & before) & candidates & !(again | near);
+            LaneMasks { hit, near, again }
         }
     }
 

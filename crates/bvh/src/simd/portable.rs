@@ -2,7 +2,7 @@
 
 use umber_geometry::watertight::{DEPTH_ERROR, DETERMINANT_RANGE};
 
-use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, walk};
+use super::{Isa, LaneHits, LaneMasks, Lanes, compile_traversals, instances, triangles};
 use crate::{
     instance::InstanceBvh,
     mesh::MeshBvh,
@@ -50,7 +50,7 @@ impl Isa for Portable {
         limit: f32,
         out: &mut LaneHits,
     ) -> LaneMasks {
-        let mut masks = LaneMasks { hit: 0, again: 0 };
+        let mut masks = LaneMasks::NONE;
         let [kx, ky, kz] = ray.sheared.axes;
         let (o, s) = (ray.sheared.start, ray.sheared.shear);
         for lane in 0..count {
@@ -80,10 +80,10 @@ impl Isa for Portable {
             let spread = az.max(bz).max(cz) - az.min(bz).min(cz);
             let unsure = (DEPTH_ERROR * s.z.abs()) * (depth * det.abs() + spread * (reach * reach));
             if t.abs() * det.abs() <= unsure {
-                masks.again |= 1 << lane;
-                continue;
+                masks.near |= 1 << lane;
+            } else {
+                masks.hit |= u32::from(t > ray.t_min && t <= limit) << lane;
             }
-            masks.hit |= u32::from(t > ray.t_min && t <= limit) << lane;
             out.t.0[lane] = t;
             [out.barycentrics[0].0[lane], out.barycentrics[1].0[lane], out.barycentrics[2].0[lane]] = [b0, b1, b2];
         }

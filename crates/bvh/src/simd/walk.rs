@@ -1,23 +1,17 @@
 //! The traversal, for any vector unit.
 
-use umber_geometry::watertight::TriangleHit;
-use umber_math::Point3;
-
 use super::{
-    Isa, LaneHits, Lanes,
+    Isa, Lanes,
     portable::Portable,
     stack::{Stack, prefetch},
 };
 use crate::{
-    instance::{Child, InstanceBvh},
-    mesh::MeshBvh,
     ray::{FAR_SLACK, TraversalRay},
-    search::Search,
     wide::{ChildRef, WideNode, WideTree},
 };
 
 /// What to do at a leaf.
-trait Visitor {
+pub(super) trait Visitor {
     /// Boxes that the ray enters beyond this are passed over.
     fn limit(&self) -> f32;
     /// Visits a leaf. True ends the traversal.
@@ -34,7 +28,11 @@ trait Visitor {
 /// # Safety
 /// The processor has the unit `S`, and the visitor belongs to the tree.
 #[inline(always)]
-unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(tree: &WideTree, ray: &TraversalRay, visitor: &mut V) {
+pub(super) unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(
+    tree: &WideTree,
+    ray: &TraversalRay,
+    visitor: &mut V,
+) {
     if tree.root == ChildRef::NONE || visitor.limit() < ray.t_min {
         return;
     }
@@ -54,8 +52,8 @@ unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(tree: &WideTree
             // SAFETY: the caller vouches for the unit.
             let mask = unsafe { S::boxes(node, ray, visitor.limit() * FAR_SLACK, &mut near) };
             if mask != 0 {
-                // SAFETY: the mask's bits are children of the node, and the stack holds what the tree needs.
                 let before = stack.len;
+                // SAFETY: the mask's bits are children of the node, and the stack holds what the tree needs.
                 current = unsafe { descend::<ORDERED>(node, mask, &near, &mut stack) };
                 // What is left for later comes from memory meanwhile.
                 for at in before..stack.len {
@@ -126,223 +124,6 @@ unsafe fn descend<const ORDERED: bool>(node: &WideNode, mask: u32, near: &Lanes,
         stack.len -= 1;
         ChildRef(stack.get(stack.len) as u32)
     }
-}
-
-/// Closest hit among a mesh's triangles.
-struct MeshClosest<'a, S: ?Sized> {
-    mesh: &'a MeshBvh,
-    id: u32,
-    ray: &'a TraversalRay,
-    search: &'a mut Search,
-    hits: LaneHits,
-    unit: std::marker::PhantomData<S>,
-}
-
-impl<S: Isa + ?Sized> Visitor for MeshClosest<'_, S> {
-    #[inline(always)]
-    fn first_read(&self, start: usize) -> *const u8 {
-        self.mesh.rows(start).cast()
-    }
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.search.limit
-    }
-    #[inline(always)]
-    unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
-        let rows = self.mesh.rows(start);
-        // SAFETY: the mesh keeps eight floats more than its triangles need; the caller vouches for the unit.
-        let masks = unsafe { S::triangles(rows, count, self.ray, self.search.limit, &mut self.hits) };
-        if masks.hit | masks.again != 0 {
-            self.take(start, count, masks.hit, masks.again);
-        }
-        false
-    }
-}
-
-impl<S: Isa + ?Sized> MeshClosest<'_, S> {
-    #[inline]
-    fn take(&mut self, start: usize, count: usize, mut hit: u32, mut again: u32) {
-        while hit != 0 {
-            let lane = hit.trailing_zeros() as usize & 7;
-            hit &= hit - 1;
-            let barycentrics = self.hits.barycentrics.map(|b| b.0[lane]);
-            self.search.offer(self.hits.t.0[lane], barycentrics, self.id, self.mesh.triangle_at(start, count, lane));
-        }
-        while again != 0 {
-            let lane = again.trailing_zeros() as usize;
-            again &= again - 1;
-            if let Some(hit) = scalar_test(self.mesh, start, count, lane, self.ray, self.search.limit) {
-                self.search.offer(hit.t, hit.barycentrics, self.id, self.mesh.triangle_at(start, count, lane));
-            }
-        }
-    }
-}
-
-/// The scalar test of one lane of a leaf, up to and with `limit`.
-#[cold]
-fn scalar_test(
-    mesh: &MeshBvh,
-    start: usize,
-    count: usize,
-    lane: usize,
-    ray: &TraversalRay,
-    limit: f32,
-) -> Option<TriangleHit> {
-    let [p0, p1, p2] = mesh.leaf_vertices(start, count, lane).map(Point3);
-    ray.sheared.intersect(p0, p1, p2, ray.t_min, limit.next_up())
-}
-
-/// Any hit among a mesh's triangles.
-struct MeshAny<'a, S: ?Sized> {
-    mesh: &'a MeshBvh,
-    ray: &'a TraversalRay,
-    limit: f32,
-    hits: LaneHits,
-    found: bool,
-    unit: std::marker::PhantomData<S>,
-}
-
-impl<S: Isa + ?Sized> Visitor for MeshAny<'_, S> {
-    #[inline(always)]
-    fn first_read(&self, start: usize) -> *const u8 {
-        self.mesh.rows(start).cast()
-    }
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.limit
-    }
-    #[inline(always)]
-    unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
-        // SAFETY: as for the closest hit.
-        let masks = unsafe { S::triangles(self.mesh.rows(start), count, self.ray, self.limit, &mut self.hits) };
-        let again = |lane| scalar_test(self.mesh, start, count, lane, self.ray, self.limit).is_some();
-        self.found = masks.hit != 0 || masks.again != 0 && (0..count).any(|l| masks.again >> l & 1 == 1 && again(l));
-        self.found
-    }
-}
-
-/// Closest hit among a group's instances.
-struct GroupClosest<'a, S: ?Sized> {
-    group: &'a InstanceBvh,
-    ray: &'a TraversalRay,
-    search: &'a mut Search,
-    unit: std::marker::PhantomData<S>,
-}
-
-impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
-    #[inline(always)]
-    fn first_read(&self, start: usize) -> *const u8 {
-        std::ptr::from_ref(self.group.placed(start)).cast()
-    }
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.search.limit
-    }
-    #[inline(always)]
-    unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
-        for slot in start..start + count {
-            let placed = self.group.placed(slot);
-            let inside;
-            let ray = match placed.child_from_parent() {
-                None => self.ray,
-                Some(matrix) => match self.ray.transformed(matrix) {
-                    None => continue,
-                    Some(r) => {
-                        inside = r;
-                        &inside
-                    }
-                },
-            };
-            self.search.path.push(placed.index);
-            // SAFETY: the caller vouches for the unit.
-            unsafe {
-                match &placed.child {
-                    Child::Mesh { bvh, mesh } => S::mesh_closest(bvh, *mesh, ray, self.search),
-                    Child::Group(group) => S::group_closest(group, ray, self.search),
-                }
-            }
-            self.search.path.pop();
-        }
-        false
-    }
-}
-
-/// Any hit among a group's instances.
-struct GroupAny<'a, S: ?Sized> {
-    group: &'a InstanceBvh,
-    ray: &'a TraversalRay,
-    limit: f32,
-    found: bool,
-    unit: std::marker::PhantomData<S>,
-}
-
-impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
-    #[inline(always)]
-    fn first_read(&self, start: usize) -> *const u8 {
-        std::ptr::from_ref(self.group.placed(start)).cast()
-    }
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.limit
-    }
-    #[inline(always)]
-    unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
-        self.found = (start..start + count).any(|slot| {
-            let placed = self.group.placed(slot);
-            let inside = placed.child_from_parent().map(|m| self.ray.transformed(m));
-            let ray = match &inside {
-                None => self.ray,
-                Some(None) => return false,
-                Some(Some(r)) => r,
-            };
-            // SAFETY: the caller vouches for the unit.
-            unsafe {
-                match &placed.child {
-                    Child::Mesh { bvh, .. } => S::mesh_any(bvh, ray, self.limit),
-                    Child::Group(group) => S::group_any(group, ray, self.limit),
-                }
-            }
-        });
-        self.found
-    }
-}
-
-/// See [`Isa::mesh_closest`].
-#[inline(always)]
-pub(super) unsafe fn mesh_closest<S: Isa + ?Sized>(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
-    let unit = std::marker::PhantomData::<S>;
-    let mut visitor = MeshClosest { mesh, id, ray, search, hits: LaneHits::default(), unit };
-    // SAFETY: the caller vouches for the unit.
-    unsafe { walk::<S, _, true>(mesh.tree(), ray, &mut visitor) }
-}
-
-/// See [`Isa::mesh_any`].
-#[inline(always)]
-pub(super) unsafe fn mesh_any<S: Isa + ?Sized>(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
-    let unit = std::marker::PhantomData::<S>;
-    let mut visitor = MeshAny { mesh, ray, limit, hits: LaneHits::default(), found: false, unit };
-    // SAFETY: the caller vouches for the unit.
-    unsafe { walk::<S, _, false>(mesh.tree(), ray, &mut visitor) };
-    visitor.found
-}
-
-/// See [`Isa::group_closest`].
-#[inline(always)]
-pub(super) unsafe fn group_closest<S: Isa + ?Sized>(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
-    let unit = std::marker::PhantomData::<S>;
-    let mut visitor = GroupClosest { group, ray, search, unit };
-    // SAFETY: the caller vouches for the unit.
-    unsafe { walk::<S, _, true>(group.tree(), ray, &mut visitor) }
-}
-
-/// See [`Isa::group_any`].
-#[inline(always)]
-pub(super) unsafe fn group_any<S: Isa + ?Sized>(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
-    let unit = std::marker::PhantomData::<S>;
-    let mut visitor = GroupAny { group, ray, limit, found: false, unit };
-    // SAFETY: the caller vouches for the unit.
-    unsafe { walk::<S, _, false>(group.tree(), ray, &mut visitor) };
-    visitor.found
 }
 
 /// Calls a closure for each primitive; it gives a new limit or none.
