@@ -13,7 +13,7 @@ use crate::{
     ray::TraversalRay,
     search::{Hit, Search},
     simd::{self, SimdLevel},
-    wide::{MAX_PRIMITIVES, WideTree},
+    wide::{MAX_PRIMITIVES, MOST_GROWTH, WideTree},
 };
 
 /// What an instance shows.
@@ -45,11 +45,19 @@ impl Child {
         }
     }
     /// Tells apart what is shown; the same for all instances of one mesh or group.
-    pub(crate) fn address(&self) -> usize {
+    pub fn address(&self) -> usize {
         match self {
             Self::Mesh { bvh, .. } => Arc::as_ptr(bvh) as usize,
             Self::Group(group) => Arc::as_ptr(group) as usize,
         }
+    }
+    /// Whether both are the same mesh or group, not merely alike.
+    pub fn is(&self, other: &Self) -> bool {
+        let numbers = match (self, other) {
+            (Self::Mesh { mesh: a, .. }, Self::Mesh { mesh: b, .. }) => a == b,
+            _ => true,
+        };
+        numbers && self.address() == other.address()
     }
     /// Levels of groups below.
     fn depth(&self) -> usize {
@@ -72,6 +80,7 @@ pub struct Instance {
 }
 
 /// An instance that rays can meet: all that its visit needs, in two cache lines.
+#[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Placed {
     child_from_parent: DAffine3,
@@ -94,6 +103,7 @@ impl Placed {
 }
 
 /// A group of instances; the outermost one is the scene.
+#[derive(Clone)]
 pub struct InstanceBvh {
     tree: WideTree,
     instances: Vec<Instance>,
@@ -104,6 +114,8 @@ pub struct InstanceBvh {
     skipped: Vec<u32>,
     /// Levels of groups, with this one.
     depth: usize,
+    /// What the tree cost when it was built, if it was fitted since.
+    built_cost: Option<f64>,
 }
 
 impl InstanceBvh {
@@ -132,7 +144,34 @@ impl InstanceBvh {
         let placed = order.iter().filter_map(|&i| by_index[i as usize].take()).collect();
         let rounded = |i: &Instance| Transform::from_affine(i.parent_from_child).unwrap_or_default();
         let rounded = instances.par_iter().with_min_len(256).map(rounded).collect();
-        Self { tree, instances, rounded, placed, skipped, depth }
+        Self { tree, instances, rounded, placed, skipped, depth, built_cost: None }
+    }
+
+    /// The hierarchy after some of its instances moved, in a fraction of the time that building takes; those that did
+    /// not cost next to nothing. None where building would pay, as for [`MeshBvh::refitted`], or where other things
+    /// are shown than before, or not all of them.
+    pub fn moved(&self, instances: &[Instance]) -> Option<Self> {
+        let same = |(a, b): (&Instance, &Instance)| a.child.is(&b.child) && a.tag == b.tag;
+        let all_placed = self.placed.len() == self.instances.len();
+        if !all_placed || instances.len() != self.instances.len() || !self.instances.iter().zip(instances).all(same) {
+            return None;
+        }
+        let mut moved = self.clone();
+        let mut boxes = self.tree.leaf_boxes(self.placed.len());
+        let mut covers = Covers::default();
+        for (slot, bounds) in boxes.iter_mut().enumerate() {
+            let index = self.placed[slot].index;
+            let instance = &instances[index as usize];
+            if instance.parent_from_child != self.instances[index as usize].parent_from_child {
+                (moved.placed[slot], *bounds) = place(instance, index, &mut covers)?;
+                moved.rounded[index as usize] = Transform::from_affine(instance.parent_from_child)?;
+                moved.instances[index as usize] = instance.clone();
+            }
+        }
+        let built = self.built_cost.unwrap_or_else(|| self.tree.cost());
+        moved.built_cost = Some(built);
+        moved.tree.fit(|start, _| boxes[start]);
+        (moved.tree.cost() <= MOST_GROWTH * built).then_some(moved)
     }
 
     /// Indices of the instances that can't be hit: transform singular or not finite, or nested too deep.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use umber_math::{Bounds3, Point3};
 
-use crate::wide::{MAX_PRIMITIVES, WIDTH, WideTree};
+use crate::wide::{MAX_PRIMITIVES, MOST_GROWTH, WIDTH, WideTree};
 
 /// Words of a triangle: three vertices of three coordinates, and the caller's index.
 const WORDS: usize = 10;
@@ -28,6 +28,8 @@ pub struct MeshBvh {
     /// Number of triangles.
     count: usize,
     skipped: usize,
+    /// What the tree cost when it was built, if it was fitted since.
+    built_cost: Option<f64>,
 }
 
 impl MeshBvh {
@@ -39,14 +41,29 @@ impl MeshBvh {
         let bounds = |i: u32| corners(points, triangles, i).filter(|p| finite(*p)).map(bounds_of);
         let (tree, order) = WideTree::build(triangles.len().min(MAX_PRIMITIVES), WIDTH, bounds);
         let skipped = triangles.len() - order.len();
-        let mut bvh = Self { leaves: vec![0; order.len() * WORDS + WIDTH], count: order.len(), tree, skipped };
+        let mut bvh =
+            Self { leaves: vec![0; order.len() * WORDS + WIDTH], count: order.len(), tree, skipped, built_cost: None };
         bvh.store(points, triangles, Some(&order));
         bvh
     }
 
-    /// Moves the triangles: same topology, new points. Quality falls as shapes change much.
-    ///
-    /// `triangles` are those that it was built with. A triangle that is not finite any more can't be hit.
+    /// The hierarchy of the triangles after they moved, in a fraction of the time that building takes. None where
+    /// building would pay: where it would cost rays more than one and a half times what it did when built, where
+    /// there are other triangles, or some were left out.
+    pub fn refitted(&self, points: &[Point3], triangles: &[[u32; 3]]) -> Option<Self> {
+        if self.skipped > 0 || triangles.len() != self.count {
+            return None;
+        }
+        let mut moved = self.clone();
+        moved.refit(points, triangles);
+        let built = self.built_cost.unwrap_or_else(|| self.tree.cost());
+        moved.built_cost = Some(built);
+        // Written so that a cost that is no number is too much.
+        (moved.tree.cost() <= MOST_GROWTH * built).then_some(moved)
+    }
+
+    /// Moves the triangles: as many of them, each where it was in the list. Quality falls as shapes change much. A
+    /// triangle that is not finite any more can't be hit.
     pub fn refit(&mut self, points: &[Point3], triangles: &[[u32; 3]]) {
         self.store(points, triangles, None);
         let leaves = &self.leaves;

@@ -12,6 +12,9 @@ pub(crate) const WIDTH: usize = 8;
 /// Entries of a traversal's stack. A tree that could need more is rebuilt balanced.
 pub(crate) const STACK_SIZE: usize = 256;
 
+/// A tree is fitted to moved primitives until it costs so many times what it did when built.
+pub(crate) const MOST_GROWTH: f64 = 1.5;
+
 /// Most primitives of one tree: what a child reference can tell.
 pub(crate) const MAX_PRIMITIVES: usize = (1 << 28) - WIDTH;
 
@@ -144,6 +147,30 @@ impl WideTree {
         } else {
             self.nodes[child.0 as usize].bounds()
         }
+    }
+
+    /// What a ray through the tree's box is expected to visit, by the surface area heuristic: nodes and leaves alike.
+    pub fn cost(&self) -> f64 {
+        let area = |b: Bounds3| {
+            let s = b.size().as_dvec3();
+            s.x * s.y + s.y * s.z + s.z * s.x
+        };
+        let of_node = |n: &WideNode| (0..WIDTH).map(|slot| area(n.child_bounds(slot))).sum::<f64>();
+        let all: f64 = self.nodes.par_iter().with_min_len(1024).map(of_node).sum();
+        1.0 + all / area(self.bounds).max(f64::MIN_POSITIVE)
+    }
+
+    /// The box of each primitive of a tree with one a leaf, in the tree's order.
+    pub fn leaf_boxes(&self, count: usize) -> Vec<Bounds3> {
+        let mut boxes = vec![self.bounds; count];
+        for node in &self.nodes {
+            for (slot, child) in node.children.iter().enumerate() {
+                if *child != ChildRef::NONE && child.is_leaf() {
+                    boxes[child.range().0] = node.child_bounds(slot);
+                }
+            }
+        }
+        boxes
     }
 
     /// Boxes that hold all primitives: those two levels down, at most [`WIDTH`]².

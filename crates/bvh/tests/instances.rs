@@ -174,3 +174,43 @@ fn paths_that_lead_nowhere_are_none() {
     assert!(scene.instance_at(&InstancePath::default(), 0).is_none());
     assert!(InstancePath::from_slice(&[0; MAX_DEPTH + 1]).is_none());
 }
+
+#[test]
+fn moved_instances_are_found_where_they_are() {
+    let mut random = Random(24);
+    let ball = icosphere(2);
+    let built = Arc::new(MeshBvh::build(&ball.points, &ball.triangles));
+    let stand = |i: u32| DAffine3::from_translation(DVec3::new(f64::from(i % 20) * 3.0, 0.0, f64::from(i / 20) * 3.0));
+    let before: Vec<Instance> = (0..400).map(|i| place(&built, i, stand(i))).collect();
+    let scene = InstanceBvh::build(before.clone());
+    let mut after = before.clone();
+    for i in [0, 7, 399] {
+        after[i].parent_from_child = stand(i as u32) * some_transform(&mut random, 1.0);
+    }
+    let moved = scene.moved(&after).expect("three of four hundred moved a little");
+    let rebuilt = InstanceBvh::build(after.clone());
+    assert_eq!(moved.bounds(), rebuilt.bounds());
+    let mut on_moved = 0;
+    for n in 0..4000 {
+        let aim = after[[0, 7, 399, random.below(400)][n % 4]].parent_from_child.translation.as_vec3();
+        let ray = ray_to(random.cube() * 40.0, aim + random.cube() * 0.5);
+        let hit = moved.closest_hit(&ray);
+        assert_eq!(hit, rebuilt.closest_hit(&ray));
+        on_moved += usize::from(hit.is_some_and(|h| [0, 7, 399].contains(&h.mesh)));
+        if let Some(hit) = hit {
+            assert_eq!(moved.render_from_object_double(&hit.path), after[hit.mesh as usize].parent_from_child);
+        }
+    }
+    assert!(on_moved > 1000);
+
+    let scattered: Vec<Instance> = (0..400).map(|i| place(&built, i, some_transform(&mut random, 200.0))).collect();
+    assert!(scene.moved(&scattered).is_none(), "the tree is worth nothing any more");
+    assert!(scene.moved(&after[1..]).is_none(), "fewer instances");
+    let mut singular = before.clone();
+    singular[5].parent_from_child = DAffine3::ZERO;
+    assert!(scene.moved(&singular).is_none(), "one cannot be placed");
+    let other = Arc::new(MeshBvh::build(&ball.points, &ball.triangles));
+    let mut exchanged = before;
+    exchanged[5] = place(&other, 5, stand(5));
+    assert!(scene.moved(&exchanged).is_none(), "another mesh");
+}

@@ -167,3 +167,27 @@ fn entry(b: &Bounds3, ray: &Ray) -> Option<f32> {
     let (near, far) = (t0.min(t1).max_element().max(0.0), t0.max(t1).min_element());
     (near <= far).then_some(near as f32)
 }
+
+#[test]
+fn refitting_ends_where_building_pays() {
+    let mesh = icosphere(4);
+    let built = MeshBvh::build(&mesh.points, &mesh.triangles);
+    let bent = mesh.clone().map(|p| p + Vec3::new(0.1 * (3.0 * p.y).sin(), 0.0, 0.0));
+    let fitted = built.refitted(&bent.points, &bent.triangles).expect("the shape is much the same");
+    // Small steps add up: the cost is compared with that of the tree when built.
+    let (mut fitted, mut steps) = (Some(fitted), 0);
+    while let Some(bvh) = fitted.take() {
+        steps += 1;
+        assert!(steps < 50, "it is fitted for ever");
+        let twisted = mesh.clone().map(|p| turned(p.y * 0.7 * steps as f32, p) * (1.0 + 0.3 * (p.x * 9.0).sin()));
+        fitted = bvh.refitted(&twisted.points, &twisted.triangles);
+    }
+    assert!(steps > 1, "it was never fitted");
+    assert!(built.refitted(&mesh.points, &mesh.triangles[1..]).is_none(), "other triangles");
+}
+
+/// A point turned about the y axis.
+fn turned(angle: f32, p: Vec3) -> Vec3 {
+    let (s, c) = angle.sin_cos();
+    Vec3::new(c * p.x + s * p.z, p.y, c * p.z - s * p.x)
+}

@@ -192,7 +192,10 @@ impl Compiler {
                 let built = dirty.topology || dirty.points;
                 let shape = match old {
                     Some(old) if !built => Arc::clone(&old.shape),
-                    _ => Arc::new(mesh::compile_shape(mesh, &mut say)),
+                    _ => {
+                        let older = old.filter(|_| !dirty.topology).map(|old| &*old.shape);
+                        Arc::new(mesh::compile_shape(mesh, older, &mut say))
+                    }
                 };
                 let attributes = Arc::new(mesh::compile_attributes(mesh, &shape, &mut say));
                 Some(((*id).clone(), CompiledMesh { shape, attributes, warnings }, built))
@@ -230,7 +233,13 @@ impl Compiler {
             .map(|(index, (id, mesh, shape))| instances::ShownMesh { id, mesh, shape, index: index as u32 })
             .collect();
         let render_from_world = DAffine3::from_translation(-origin);
-        let placed = instances::place(&shown, store.instancers(), render_from_world, warn);
+        let placed = instances::place(
+            &shown,
+            store.instancers(),
+            render_from_world,
+            self.top.as_ref().map(|top| &*top.bvh),
+            warn,
+        );
         self.built.top_level = true;
         self.top = Some(TopLevel {
             origin,

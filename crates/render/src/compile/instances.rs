@@ -1,6 +1,6 @@
 //! The top level: which mesh stands where, with instancers kept as instances.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 use umber_bvh::{Child, Instance, InstanceBvh, MAX_DEPTH};
@@ -53,14 +53,54 @@ struct Placer<'a> {
     prototypes: BTreeMap<&'a InstancerId, BTreeMap<&'a [i32], Prototype<'a>>>,
     numbers: Vec<InstanceNumber>,
     instance_count: u64,
+    older: OlderGroups,
     say: &'a mut dyn FnMut(&str, String),
 }
 
-/// Places all shown meshes.
+/// The groups of an earlier placement, by what they show first and how many instances they have.
+#[derive(Default)]
+struct OlderGroups(HashMap<(usize, usize), Vec<Arc<InstanceBvh>>>);
+
+impl OlderGroups {
+    /// All groups below one.
+    fn below(top: &InstanceBvh) -> Self {
+        let mut groups = Self::default();
+        groups.collect(top);
+        groups
+    }
+
+    fn collect(&mut self, group: &InstanceBvh) {
+        for instance in group.instances() {
+            let Child::Group(inner) = &instance.child else { continue };
+            let known = self.0.entry(Self::key(inner.instances())).or_default();
+            if !known.iter().any(|k| Arc::ptr_eq(k, inner)) {
+                known.push(Arc::clone(inner));
+                self.collect(inner);
+            }
+        }
+    }
+
+    fn key(instances: &[Instance]) -> (usize, usize) {
+        (instances.first().map_or(0, |i| i.child.address()), instances.len())
+    }
+
+    /// One with these very instances.
+    fn find(&self, instances: &[Instance]) -> Option<Arc<InstanceBvh>> {
+        let same = |(a, b): (&Instance, &Instance)| {
+            a.child.is(&b.child) && a.tag == b.tag && a.parent_from_child == b.parent_from_child
+        };
+        let matches = |group: &&Arc<InstanceBvh>| group.instances().iter().zip(instances).all(same);
+        self.0.get(&Self::key(instances))?.iter().find(matches).cloned()
+    }
+}
+
+/// Places all shown meshes. Groups that are as they were in an older placement are taken from it, and where instances
+/// only moved its top level is fitted to them.
 pub fn place(
     shown: &[ShownMesh],
     instancers: &BTreeMap<InstancerId, Instancer>,
     render_from_world: DAffine3,
+    older: Option<&InstanceBvh>,
     say: &mut dyn FnMut(&str, String),
 ) -> Placed {
     let mut prototypes: BTreeMap<&InstancerId, BTreeMap<&[i32], Prototype>> = BTreeMap::new();
@@ -76,7 +116,8 @@ pub fn place(
     }
     let roots: BTreeSet<&InstancerId> =
         prototypes.keys().copied().filter(|id| instancers.get(*id).is_none_or(|i| i.parent.is_none())).collect();
-    let mut placer = Placer { instancers, prototypes, numbers: Vec::new(), instance_count: 0, say };
+    let groups = older.map(OlderGroups::below).unwrap_or_default();
+    let mut placer = Placer { instancers, prototypes, numbers: Vec::new(), instance_count: 0, older: groups, say };
 
     let lone = placer.number(0, 1);
     let mut top: Vec<Instance> = Vec::new();
@@ -98,7 +139,10 @@ pub fn place(
     for instance in &mut top {
         instance.parent_from_child = render_from_world * instance.parent_from_child;
     }
-    let top = build(top, "the stage", placer.say);
+    let top = match older.and_then(|older| older.moved(&top)) {
+        Some(moved) => moved,
+        None => build(top, "the stage", placer.say),
+    };
     Placed { top, numbers: placer.numbers, instance_count: placer.instance_count }
 }
 
@@ -195,7 +239,10 @@ impl<'a> Placer<'a> {
             return members;
         }
         let tag = self.number(0, 1);
-        let group = Arc::new(build(members, id.path(), self.say));
+        let group = match self.older.find(&members) {
+            Some(group) => group,
+            None => Arc::new(build(members, id.path(), self.say)),
+        };
         vec![Instance { child: Child::Group(group), parent_from_child: DAffine3::IDENTITY, tag }]
     }
 

@@ -11,14 +11,17 @@ use umber_scene::Mesh;
 
 use crate::mesh::{MeshAttributes, MeshShape};
 
-/// Triangulates a mesh and builds its hierarchy. Says what had to be left out.
-pub fn compile_shape(mesh: &Mesh, say: &mut dyn FnMut(String)) -> MeshShape {
+/// Triangulates a mesh and builds its hierarchy; where its points alone moved from an older shape, that one's
+/// hierarchy is fitted to them as long as it stays good enough. Says what had to be left out.
+pub fn compile_shape(mesh: &Mesh, older: Option<&MeshShape>, say: &mut dyn FnMut(String)) -> MeshShape {
     let points: &[Point3] = bytemuck::cast_slice(&mesh.points);
     let (triangles, problems) = triangulate(&mesh.topology, points);
     for problem in problems {
         say(problem.to_string());
     }
-    let bvh = MeshBvh::build(points, &triangles.triangles);
+    let same_faces = |older: &&MeshShape| older.mesh.elements == triangles.elements;
+    let fitted = older.filter(same_faces).and_then(|older| older.bvh.refitted(points, &triangles.triangles));
+    let bvh = fitted.unwrap_or_else(|| MeshBvh::build(points, &triangles.triangles));
     MeshShape { points: Arc::clone(&mesh.points), mesh: triangles, bvh: Arc::new(bvh) }
 }
 
