@@ -4,7 +4,7 @@ use std::mem;
 
 use glam::Vec3;
 use rayon::prelude::*;
-use umber_math::{Bounds3, Point3};
+use umber_math::{Bounds3, Point3, float::MACHINE_EPSILON};
 
 use crate::wide::{MAX_PRIMITIVES, MOST_GROWTH, WIDTH, WideTree};
 
@@ -38,7 +38,7 @@ impl MeshBvh {
     /// Triangles with an index out of range or a point that is not finite can't be hit; see
     /// [`MeshBvh::skipped`]. At most 2²⁸ − 8 triangles are taken.
     pub fn build(points: &[Point3], triangles: &[[u32; 3]]) -> Self {
-        let bounds = |i: u32| corners(points, triangles, i).filter(|p| finite(*p)).map(bounds_of);
+        let bounds = |i: u32| corners(points, triangles, i).filter(|p| finite(*p)).map(triangle_bounds);
         let (tree, order) = WideTree::build(triangles.len().min(MAX_PRIMITIVES), WIDTH, bounds);
         let skipped = triangles.len() - order.len();
         let mut bvh =
@@ -91,7 +91,8 @@ impl MeshBvh {
                     indices.copy_from_slice(&order[start..start + count]);
                 }
                 for (lane, &index) in indices.iter().enumerate() {
-                    let p = corners(points, triangles, index).unwrap_or([Vec3::NAN; 3]);
+                    // All of it is NaN where any of it is not finite: one infinite point must not make boxes infinite.
+                    let p = corners(points, triangles, index).filter(|p| finite(*p)).unwrap_or([Vec3::NAN; 3]);
                     for (row, value) in p.iter().flat_map(|v| v.to_array()).enumerate() {
                         rows[row * count + lane] = value.to_bits();
                     }
@@ -154,13 +155,31 @@ fn finite(p: [Vec3; 3]) -> bool {
     p.iter().all(|v| v.is_finite())
 }
 
-fn bounds_of([a, b, c]: [Vec3; 3]) -> Bounds3 {
-    Bounds3 { min: a.min(b).min(c), max: a.max(b).max(c) }
-}
-
 /// The box of a leaf, from its rows.
 fn leaf_bounds(rows: &[u32], count: usize) -> Bounds3 {
     let at = |row: usize, lane: usize| f32::from_bits(rows[row * count + lane]);
-    let vertex = |lane: usize, v: usize| Point3::new(at(3 * v, lane), at(3 * v + 1, lane), at(3 * v + 2, lane));
-    Bounds3::of_points((0..count).flat_map(|lane| [0, 1, 2].map(|v| vertex(lane, v))))
+    let vertex = |lane: usize, v: usize| Vec3::new(at(3 * v, lane), at(3 * v + 1, lane), at(3 * v + 2, lane));
+    let triangle = |lane: usize| triangle_bounds([0, 1, 2].map(|v| vertex(lane, v)));
+    (0..count).map(triangle).fold(Bounds3::EMPTY, Bounds3::union)
+}
+
+/// How far the box of a triangle is grown, as a part of its longest side: the triangle test moves vertices
+/// by about six roundings of their distance. Where they lie far behind or ahead of the hit, that is more than
+/// the box test's slack, and the box of the one neighbour at an edge that is hit would be missed.
+const MARGIN: f32 = 16.0 * MACHINE_EPSILON;
+
+/// The box of a triangle, with its margin; empty where it is not finite.
+fn triangle_bounds(vertices: [Vec3; 3]) -> Bounds3 {
+    if !finite(vertices) {
+        return Bounds3::EMPTY;
+    }
+    let [a, b, c] = vertices;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let margin = Vec3::splat((high * MARGIN - low * MARGIN).max_element());
+    // One step more, since rounding may have taken the margin away; but never to infinity.
+    let (low, high) = ((low - margin).to_array(), (high + margin).to_array());
+    Bounds3 {
+        min: Vec3::from(low.map(|x| x.next_down().max(f32::MIN))),
+        max: Vec3::from(high.map(|x| x.next_up().min(f32::MAX))),
+    }
 }

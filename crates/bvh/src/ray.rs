@@ -15,7 +15,8 @@ pub(crate) const FAR_SLACK: f32 = 1.0 + 4.0 * gamma(3);
 #[derive(Clone, Copy)]
 pub(crate) struct TraversalRay {
     pub sheared: ShearedRay,
-    /// One over the direction; infinite where that is zero.
+    /// One over the direction; infinite where that is zero. NaN where the direction is so small that one over
+    /// it overflows: box tests then pass over the axis. Never so in all three: boxes that are not there are not met.
     pub inverse: Vec3,
     /// The same with [`FAR_SLACK`], for the far ends of boxes.
     pub inverse_far: Vec3,
@@ -26,12 +27,15 @@ pub(crate) struct TraversalRay {
 }
 
 impl TraversalRay {
-    /// `None` where no hit is possible: origin or direction not finite, or the direction zero.
+    /// `None` where no hit is possible: see [`ShearedRay::new`].
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let sheared = ShearedRay::new(ray)?;
         let direction = ray.direction.0;
-        let inverse = direction.recip();
+        let mut inverse = direction.recip();
+        if !inverse.is_finite() {
+            inverse = Vec3::select(direction.cmpeq(Vec3::ZERO) | inverse.is_finite_mask(), inverse, Vec3::NAN);
+        }
         let near = direction.to_array().map(|d| usize::from(d.is_sign_negative()));
         let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
         Some(Self { sheared, inverse, inverse_far: inverse * FAR_SLACK, near, t_min })

@@ -49,11 +49,12 @@ pub struct ShearedRay {
 }
 
 impl ShearedRay {
-    /// From a ray. `None` where its origin or direction is not finite, or the direction zero.
+    /// From a ray. `None` where its origin or direction is not finite, or the direction is zero or so short
+    /// that one over it overflows.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let (o, d) = (ray.origin.0, ray.direction.0);
-        if !o.is_finite() || !d.is_finite() || d == Vec3::ZERO {
+        if !o.is_finite() || !d.is_finite() {
             return None;
         }
         let a = d.abs();
@@ -67,6 +68,9 @@ impl ShearedRay {
         };
         let (start, d_axes) = (along(o), along(d));
         let shear = Vec3::new(d_axes.x / d_axes.z, d_axes.y / d_axes.z, 1.0 / d_axes.z);
+        if !shear.z.is_finite() {
+            return None;
+        }
         Some(Self { origin: o, direction: d, axes, start, shear })
     }
 

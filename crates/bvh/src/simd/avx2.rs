@@ -23,7 +23,11 @@ impl Isa for Avx2 {
     unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32 {
         // SAFETY: the caller vouches for the unit.
         unsafe {
-            let (enter, leave) = x86::slabs(node, ray, reach, near);
+            let (x, y, z) = (x86::slab(node, ray, 0), x86::slab(node, ray, 1), x86::slab(node, ray, 2));
+            // Of a NaN and a number, these give the number if it comes second.
+            let enter = _mm256_max_ps(z.0, _mm256_max_ps(y.0, _mm256_max_ps(x.0, _mm256_set1_ps(ray.t_min))));
+            let leave = _mm256_min_ps(z.1, _mm256_min_ps(y.1, _mm256_min_ps(x.1, _mm256_set1_ps(reach))));
+            _mm256_store_ps(near.0.as_mut_ptr(), enter);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave)) as u32
         }
     }

@@ -10,6 +10,10 @@ use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Sea
 /// AVX-512 F, VL, DQ and BW, and all of AVX2.
 pub(crate) struct Avx512;
 
+/// Range operations: the smaller and the larger, with their own sign.
+const SMALLER: i32 = 0b0100;
+const LARGER: i32 = 0b0101;
+
 /// Lanes where a comparison with `limit` holds for any of three.
 macro_rules! any {
     ($compare:ident, $e:expr, $limit:expr) => {{
@@ -23,7 +27,12 @@ impl Isa for Avx512 {
     unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32 {
         // SAFETY: the caller vouches for the unit.
         unsafe {
-            let (enter, leave) = x86::slabs(node, ray, reach, near);
+            let (x, y, z) = (x86::slab(node, ray, 0), x86::slab(node, ray, 1), x86::slab(node, ray, 2));
+            // Of a NaN and a number, ranges give the number, the others do if it comes second.
+            let enter =
+                _mm256_max_ps(_mm256_range_ps::<LARGER>(y.0, z.0), _mm256_max_ps(x.0, _mm256_set1_ps(ray.t_min)));
+            let leave = _mm256_min_ps(_mm256_range_ps::<SMALLER>(y.1, z.1), _mm256_min_ps(x.1, _mm256_set1_ps(reach)));
+            _mm256_store_ps(near.0.as_mut_ptr(), enter);
             u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave))
         }
     }

@@ -6,35 +6,16 @@ use std::arch::x86_64::*;
 
 use umber_geometry::watertight::DEPTH_ERROR;
 
-use super::{LaneHits, Lanes};
+use super::LaneHits;
 use crate::{ray::TraversalRay, wide::WideNode};
 
-/// Where the ray enters and leaves each child's box, cut to the ray's ends; entering is also written
-/// to `near`. `reach` is the far end, with slack.
+/// Where the ray enters and leaves the children's slabs of one axis. NaN where the axis does not count.
 ///
 /// # Safety
 /// The processor has AVX.
 #[inline(always)]
-pub(super) unsafe fn slabs(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> (__m256, __m256) {
+pub(super) unsafe fn slab(node: &WideNode, ray: &TraversalRay, axis: usize) -> (__m256, __m256) {
     // SAFETY: the caller vouches for the unit; rows of planes are aligned to 32 bytes, near indices are 0 or 1.
-    unsafe {
-        let (x, y, z) = (slab(node, ray, 0), slab(node, ray, 1), slab(node, ray, 2));
-        // Of a NaN and a number, these give the number if it comes second. Where a number is lost to a NaN, the box
-        // only seems larger.
-        let enter = _mm256_max_ps(_mm256_max_ps(y.0, z.0), _mm256_max_ps(x.0, _mm256_set1_ps(ray.t_min)));
-        let leave = _mm256_min_ps(_mm256_min_ps(y.1, z.1), _mm256_min_ps(x.1, _mm256_set1_ps(reach)));
-        _mm256_store_ps(near.0.as_mut_ptr(), enter);
-        (enter, leave)
-    }
-}
-
-/// Where the ray enters and leaves the slabs of one axis.
-///
-/// # Safety
-/// As for [`slabs`].
-#[inline(always)]
-unsafe fn slab(node: &WideNode, ray: &TraversalRay, axis: usize) -> (__m256, __m256) {
-    // SAFETY: the caller's promise.
     unsafe {
         let planes = node.planes.as_ptr().add(2 * axis);
         let o = _mm256_set1_ps(ray.origin(axis));
