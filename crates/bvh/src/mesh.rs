@@ -163,19 +163,30 @@ fn leaf_bounds(rows: &[u32], count: usize) -> Bounds3 {
     (0..count).map(triangle).fold(Bounds3::EMPTY, Bounds3::union)
 }
 
-/// How far the box of a triangle is grown, as a part of its longest side: the triangle test moves vertices
-/// by about six roundings of their distance. Where they lie far behind or ahead of the hit, that is more than
-/// the box test's slack, and the box of the one neighbour at an edge that is hit would be missed.
+/// How far the box of a triangle is grown, as a part of its size: the triangle test moves vertices by about six
+/// roundings of their distance. What that comes to at the hit, the box test's slack holds; the rest, where vertices
+/// lie far behind or ahead of the hit, is held by this, else the one neighbour at an edge that is hit could be missed.
 const MARGIN: f32 = 16.0 * MACHINE_EPSILON;
 
 /// The box of a triangle, with its margin; empty where it is not finite.
+///
+/// A vertex's rounded coordinates are those of a vertex moved, along the ray's main axis, by as much as one of the
+/// two sheared coordinates is off; what the other is off by then moves it along that one's axis. So the narrowest
+/// side can always go without, but for its own rounding: floors stay flat, and rays that leave them do not meet them.
 fn triangle_bounds(vertices: [Vec3; 3]) -> Bounds3 {
     if !finite(vertices) {
         return Bounds3::EMPTY;
     }
     let [a, b, c] = vertices;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let margin = Vec3::splat((high * MARGIN - low * MARGIN).max_element());
+    // What has two corners in one place can't be hit.
+    let part = if a == b || b == c || c == a { 0.0 } else { MARGIN };
+    let own = high * part - low * part;
+    let margin = match (own.x <= own.y, own.x <= own.z, own.y <= own.z) {
+        (true, true, _) => Vec3::new(own.x, own.y.max(own.z), own.y.max(own.z)),
+        (false, _, true) => Vec3::new(own.x.max(own.z), own.y, own.x.max(own.z)),
+        _ => Vec3::new(own.x.max(own.y), own.x.max(own.y), own.z),
+    };
     // One step more, since rounding may have taken the margin away; but never to infinity.
     let (low, high) = ((low - margin).to_array(), (high + margin).to_array());
     Bounds3 {
