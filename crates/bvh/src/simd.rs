@@ -2,16 +2,21 @@
 
 use std::sync::LazyLock;
 
-use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideNode};
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search};
+use vector::Vector;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod instances;
+mod kernel;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod portable;
 mod stack;
 mod triangles;
+mod vector;
 mod walk;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -25,6 +30,8 @@ pub enum SimdLevel {
     Avx2,
     /// AVX-512 (F, VL, DQ, BW) of x86-64, on eight lanes.
     Avx512,
+    /// NEON of 64-bit Arm.
+    Neon,
 }
 
 impl SimdLevel {
@@ -36,7 +43,7 @@ impl SimdLevel {
 
     #[cfg(not(target_arch = "x86_64"))]
     fn detect() -> Vec<Self> {
-        vec![Self::Portable]
+        if cfg!(target_arch = "aarch64") { vec![Self::Portable, Self::Neon] } else { vec![Self::Portable] }
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -96,30 +103,11 @@ impl LaneMasks {
     pub const NONE: Self = Self { hit: 0, near: 0, again: 0 };
 }
 
-/// The tests on a vector unit, and the traversals compiled for it.
+/// The traversals, compiled for a vector unit.
 ///
-/// All functions are unsafe: the processor must have the unit. Box and triangle tests do the same
-/// arithmetic on each.
-pub(crate) trait Isa {
-    /// Which children's boxes the ray meets before `reach`, a bit a child, and where it enters them. `reach` is the
-    /// end of the search with [`FAR_SLACK`](crate::ray::FAR_SLACK).
-    ///
-    /// # Safety
-    /// The processor has the unit.
-    unsafe fn boxes(node: &WideNode, ray: &TraversalRay, reach: f32, near: &mut Lanes) -> u32;
-
-    /// Tests `count` triangles, from 1 to 8. `rows` are their nine coordinate rows, `count` apart.
-    ///
-    /// # Safety
-    /// The processor has the unit; `9 · count + 7` floats are readable at `rows`.
-    unsafe fn triangles(
-        rows: *const f32,
-        count: usize,
-        ray: &TraversalRay,
-        limit: f32,
-        out: &mut LaneHits,
-    ) -> LaneMasks;
-
+/// All functions are unsafe: the processor must have the unit.
+#[expect(private_bounds, reason = "what a unit can do is of this module alone")]
+pub(crate) trait Isa: Vector {
     /// Closest hit in a mesh that the caller numbered `id`.
     ///
     /// # Safety
@@ -182,6 +170,8 @@ macro_rules! on_level {
                 SimdLevel::Avx2 => avx2::Avx2::$traversal($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 SimdLevel::Avx512 => avx512::Avx512::$traversal($($argument),*),
+                #[cfg(target_arch = "aarch64")]
+                SimdLevel::Neon => neon::Neon::$traversal($($argument),*),
                 _ => portable::Portable::$traversal($($argument),*),
             }
         }

@@ -63,9 +63,6 @@ fn compare(built: &MeshBvh, mesh: &Mesh, built_with: &[usize], rays: &[RayInput]
     for ray in rays.iter().take(MAX_RAYS) {
         let ray = ray.ray(|on| mesh.point_on(on));
         let want = mesh.brute_force(built_with.iter().copied(), &ray);
-        if std::env::var("DBG").is_ok() {
-            dbg(mesh, &ray);
-        }
         for &level in SimdLevel::available() {
             compare_ray(&scene, level, &ray, want.map(|(i, hit)| (i, bits(hit.t, hit.barycentrics))));
         }
@@ -79,31 +76,5 @@ fn compare_ray(scene: &InstanceBvh, level: SimdLevel, ray: &Ray, want: Option<(u
     if let Some(hit) = got {
         check_hit(&hit, ray);
         assert_eq!((hit.mesh, hit.path.as_slice()), (7, &[0][..]));
-    }
-}
-
-//DBG
-fn dbg(mesh: &Mesh, ray: &Ray) {
-    let Some(sh) = umber_geometry::watertight::ShearedRay::new(ray) else { return };
-    println!("{ray:?} {sh:?}");
-    for i in 0..mesh.triangles.len() {
-        if let Some(p) = mesh.vertices(i) {
-            if let Some(h) = sh.intersect(p[0], p[1], p[2], ray.t_min.max(0.0), ray.t_max) {
-                let b = umber_math::Bounds3::of_points(p);
-                let (o, d) = (ray.origin.0.as_dvec3(), ray.direction.0.as_dvec3());
-                println!(" tri {i} {:?} t={:e} b={:?}", p.map(|p| p.0), h.t, h.barycentrics);
-                for k in 0..3 {
-                    let (l, hh) = ((b.min.as_dvec3()[k] - o[k]) / d[k], (b.max.as_dvec3()[k] - o[k]) / d[k]);
-                    println!(
-                        "    axis {k}: {l:e} {hh:e}  f32 {:e} {:e}",
-                        (b.min[k] - ray.origin.0[k]) * d[k].recip() as f32,
-                        (b.max[k] - ray.origin.0[k]) * d[k].recip() as f32
-                    );
-                }
-                let e: Vec<_> = p.iter().map(|p| p.0.as_dvec3() - o).collect();
-                let n = (e[1] - e[0]).cross(e[2] - e[0]);
-                println!("    plane t {:e}", n.dot(e[0]) / n.dot(d));
-            }
-        }
     }
 }

@@ -13,14 +13,14 @@ use crate::{
 };
 
 /// Closest hit among a group's instances.
-struct GroupClosest<'a, S: ?Sized> {
+struct GroupClosest<'a, S> {
     group: &'a InstanceBvh,
     ray: &'a TraversalRay,
     search: &'a mut Search,
     unit: PhantomData<S>,
 }
 
-impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
+impl<S: Isa> Visitor for GroupClosest<'_, S> {
     #[inline(always)]
     fn first_read(&self, start: usize) -> *const u8 {
         std::ptr::from_ref(self.group.placed(start)).cast()
@@ -59,7 +59,7 @@ impl<S: Isa + ?Sized> Visitor for GroupClosest<'_, S> {
 }
 
 /// Any hit among a group's instances.
-struct GroupAny<'a, S: ?Sized> {
+struct GroupAny<'a, S> {
     group: &'a InstanceBvh,
     ray: &'a TraversalRay,
     limit: f32,
@@ -67,7 +67,7 @@ struct GroupAny<'a, S: ?Sized> {
     unit: PhantomData<S>,
 }
 
-impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
+impl<S: Isa> Visitor for GroupAny<'_, S> {
     #[inline(always)]
     fn first_read(&self, start: usize) -> *const u8 {
         std::ptr::from_ref(self.group.placed(start)).cast()
@@ -100,7 +100,7 @@ impl<S: Isa + ?Sized> Visitor for GroupAny<'_, S> {
 
 /// See [`Isa::group_closest`].
 #[inline(always)]
-pub(super) unsafe fn closest<S: Isa + ?Sized>(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
+pub(super) unsafe fn closest<S: Isa>(group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
     let unit = PhantomData::<S>;
     let mut visitor = GroupClosest { group, ray, search, unit };
     // SAFETY: the caller vouches for the unit.
@@ -109,7 +109,7 @@ pub(super) unsafe fn closest<S: Isa + ?Sized>(group: &InstanceBvh, ray: &Travers
 
 /// See [`Isa::group_any`].
 #[inline(always)]
-pub(super) unsafe fn any<S: Isa + ?Sized>(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
+pub(super) unsafe fn any<S: Isa>(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
     let unit = PhantomData::<S>;
     let mut visitor = GroupAny { group, ray, limit, found: false, unit };
     // SAFETY: the caller vouches for the unit.

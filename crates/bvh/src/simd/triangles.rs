@@ -6,13 +6,13 @@ use umber_geometry::watertight::TriangleHit;
 use umber_math::Point3;
 
 use super::{
-    Isa, LaneHits, LaneMasks,
+    Isa, LaneHits, LaneMasks, kernel,
     walk::{Visitor, walk},
 };
 use crate::{mesh::MeshBvh, ray::TraversalRay, search::Search};
 
 /// Closest hit among a mesh's triangles.
-struct MeshClosest<'a, S: ?Sized> {
+struct MeshClosest<'a, S> {
     mesh: &'a MeshBvh,
     id: u32,
     ray: &'a TraversalRay,
@@ -21,7 +21,7 @@ struct MeshClosest<'a, S: ?Sized> {
     unit: PhantomData<S>,
 }
 
-impl<S: Isa + ?Sized> Visitor for MeshClosest<'_, S> {
+impl<S: Isa> Visitor for MeshClosest<'_, S> {
     #[inline(always)]
     fn first_read(&self, start: usize) -> *const u8 {
         self.mesh.rows(start).cast()
@@ -34,7 +34,7 @@ impl<S: Isa + ?Sized> Visitor for MeshClosest<'_, S> {
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
         let rows = self.mesh.rows(start);
         // SAFETY: the mesh keeps eight floats more than its triangles need; the caller vouches for the unit.
-        let masks = unsafe { S::triangles(rows, count, self.ray, self.search.limit, &mut self.hits) };
+        let masks = unsafe { kernel::triangles::<S>(rows, count, self.ray, self.search.limit, &mut self.hits) };
         if masks.hit | masks.near | masks.again != 0 {
             self.take(start, count, masks);
         }
@@ -42,7 +42,7 @@ impl<S: Isa + ?Sized> Visitor for MeshClosest<'_, S> {
     }
 }
 
-impl<S: Isa + ?Sized> MeshClosest<'_, S> {
+impl<S: Isa> MeshClosest<'_, S> {
     #[inline(always)]
     fn take(&mut self, start: usize, count: usize, masks: LaneMasks) {
         for lane in lanes(masks.hit) {
@@ -109,7 +109,7 @@ fn scalar_test(
 }
 
 /// Any hit among a mesh's triangles.
-struct MeshAny<'a, S: ?Sized> {
+struct MeshAny<'a, S> {
     mesh: &'a MeshBvh,
     ray: &'a TraversalRay,
     limit: f32,
@@ -118,7 +118,7 @@ struct MeshAny<'a, S: ?Sized> {
     unit: PhantomData<S>,
 }
 
-impl<S: Isa + ?Sized> Visitor for MeshAny<'_, S> {
+impl<S: Isa> Visitor for MeshAny<'_, S> {
     #[inline(always)]
     fn first_read(&self, start: usize) -> *const u8 {
         self.mesh.rows(start).cast()
@@ -130,7 +130,7 @@ impl<S: Isa + ?Sized> Visitor for MeshAny<'_, S> {
     #[inline(always)]
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
         // SAFETY: as for the closest hit.
-        let masks = unsafe { S::triangles(self.mesh.rows(start), count, self.ray, self.limit, &mut self.hits) };
+        let masks = unsafe { kernel::triangles::<S>(self.mesh.rows(start), count, self.ray, self.limit, &mut self.hits) };
         if masks.hit | masks.near | masks.again == 0 {
             return false;
         }
@@ -144,7 +144,7 @@ impl<S: Isa + ?Sized> Visitor for MeshAny<'_, S> {
 
 /// See [`Isa::mesh_closest`].
 #[inline(always)]
-pub(super) unsafe fn closest<S: Isa + ?Sized>(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
+pub(super) unsafe fn closest<S: Isa>(mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
     let unit = PhantomData::<S>;
     let mut visitor = MeshClosest { mesh, id, ray, search, hits: LaneHits::default(), unit };
     // SAFETY: the caller vouches for the unit.
@@ -153,7 +153,7 @@ pub(super) unsafe fn closest<S: Isa + ?Sized>(mesh: &MeshBvh, id: u32, ray: &Tra
 
 /// See [`Isa::mesh_any`].
 #[inline(always)]
-pub(super) unsafe fn any<S: Isa + ?Sized>(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
+pub(super) unsafe fn any<S: Isa>(mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
     let unit = PhantomData::<S>;
     let mut visitor = MeshAny { mesh, ray, limit, hits: LaneHits::default(), found: false, unit };
     // SAFETY: the caller vouches for the unit.

@@ -1,7 +1,7 @@
 //! The traversal, for any vector unit.
 
 use super::{
-    Isa, Lanes,
+    Isa, Lanes, kernel,
     portable::Portable,
     stack::{Stack, prefetch},
 };
@@ -28,7 +28,7 @@ pub(super) trait Visitor {
 /// # Safety
 /// The processor has the unit `S`, and the visitor belongs to the tree.
 #[inline(always)]
-pub(super) unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(
+pub(super) unsafe fn walk<S: Isa, V: Visitor, const ORDERED: bool>(
     tree: &WideTree,
     ray: &TraversalRay,
     visitor: &mut V,
@@ -50,7 +50,7 @@ pub(super) unsafe fn walk<S: Isa + ?Sized, V: Visitor, const ORDERED: bool>(
             // SAFETY: inner references are indices of the tree's nodes.
             let node = unsafe { tree.nodes.get_unchecked(current.0 as usize) };
             // SAFETY: the caller vouches for the unit.
-            let mask = unsafe { S::boxes(node, ray, visitor.limit() * FAR_SLACK, &mut near) };
+            let mask = unsafe { kernel::boxes::<S>(node, ray, visitor.limit() * FAR_SLACK, &mut near) };
             if mask != 0 {
                 let before = stack.len;
                 // SAFETY: the mask's bits are children of the node, and the stack holds what the tree needs.
