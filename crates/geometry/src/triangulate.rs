@@ -12,7 +12,7 @@ use crate::{
 pub struct TriangleMesh {
     /// Point index of each vertex.
     pub triangles: Vec<[u32; 3]>,
-    /// Face-vertex index of each vertex, for faceVarying primvars.
+    /// Face-vertex index of each vertex, for faceVarying primvars; empty where there are none.
     pub corners: Vec<[u32; 3]>,
     /// The authored face of each triangle.
     pub elements: Vec<u32>,

@@ -189,7 +189,8 @@ impl Compiler {
                 }
                 let mut warnings = Vec::new();
                 let mut say = |text| warnings.push(text);
-                let built = dirty.topology || dirty.points;
+                let built =
+                    dirty.topology || dirty.points || old.is_some_and(|old| mesh::lacks_corners(&old.shape, mesh));
                 let shape = match old {
                     Some(old) if !built => Arc::clone(&old.shape),
                     _ => {

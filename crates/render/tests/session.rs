@@ -5,9 +5,12 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::*;
-use umber_math::{DAffine3, DVec3};
+use umber_math::{DAffine3, DVec3, Vec3};
 use umber_render::{Aov, FilmDesc};
-use umber_scene::{InstancerId, InstancerPatch, Light, LightId, LightKind, MeshId, MeshPatch, SceneEdit};
+use umber_scene::{
+    InstancerId, InstancerPatch, Interpolation, Light, LightId, LightKind, MeshId, MeshPatch, Primvar, PrimvarValues,
+    SceneEdit,
+};
 
 fn dome() -> SceneEdit {
     SceneEdit::Light(LightId::new("/dome"), Light::new(LightKind::Dome { texture: None }))
@@ -66,6 +69,33 @@ fn compile_reuses_what_did_not_change() {
     assert_eq!(built(Some(dome())), (0, false));
     assert_eq!(built(Some(SceneEdit::RemoveMesh(MeshId::new("/box3")))), (0, true));
     assert_eq!(built(Some(setting("umber:seed", 9))), (0, false));
+}
+
+/// Corners of faces are kept only where a primvar has values for them: one that comes later finds them too.
+#[test]
+fn a_primvar_by_corners_may_come_later() {
+    let colors = (0..24).map(|i| Vec3::new(i as f32 / 23.0, 0.5, 1.0 - i as f32 / 23.0)).collect();
+    let primvar = Primvar { interpolation: Interpolation::FaceVarying, values: PrimvarValues::Float3(colors) };
+    let primvars: std::collections::BTreeMap<_, _> = [("displayColor".into(), Some(primvar))].into();
+    let picture = |at_once: bool| {
+        let session = session(4.0, 4, &[Aov::Color]);
+        session.edit(dome()).unwrap();
+        if at_once {
+            session.edit(mesh("/box", MeshPatch { primvars: primvars.clone(), ..cube() })).unwrap();
+        } else {
+            session.edit(mesh("/box", cube())).unwrap();
+            finish(&session);
+            let patch = MeshPatch { primvars: primvars.clone(), ..MeshPatch::default() };
+            session.edit(mesh("/box", patch)).unwrap();
+        }
+        finish(&session);
+        color(&session)
+    };
+    let at_once = picture(true);
+    assert_eq!(at_once, picture(false));
+    let reds: Vec<f32> = at_once.iter().map(|p| p[0]).collect();
+    let (low, high) = reds.iter().fold((f32::MAX, 0.0f32), |(l, h), r| (l.min(*r), h.max(*r)));
+    assert!(high > 1.5 * low, "the colours do not show: {low} … {high}");
 }
 
 #[test]

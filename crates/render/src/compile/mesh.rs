@@ -4,18 +4,24 @@ use std::sync::Arc;
 
 use umber_bvh::MeshBvh;
 use umber_geometry::{
-    Attribute, AttributeValue, MeshProblem, Primvar, PrimvarValues, SubdivisionScheme, smooth_normals, triangulate,
+    Attribute, AttributeValue, Interpolation, MeshProblem, Primvar, PrimvarValues, SubdivisionScheme, smooth_normals, triangulate,
 };
 use umber_math::{Point3, Vec2, Vec3};
 use umber_scene::Mesh;
 
 use crate::mesh::{MeshAttributes, MeshShape};
 
+/// Primvars that attributes are made of: colour, opacity, texture coordinates.
+const READ_PRIMVARS: [&str; 3] = ["displayColor", "displayOpacity", "st"];
+
 /// Triangulates a mesh and builds its hierarchy; where its points alone moved from an older shape, that one's
 /// hierarchy is fitted to them as long as it stays good enough. Says what had to be left out.
 pub fn compile_shape(mesh: &Mesh, older: Option<&MeshShape>, say: &mut dyn FnMut(String)) -> MeshShape {
     let points: &[Point3] = bytemuck::cast_slice(&mesh.points);
-    let (triangles, problems) = triangulate(&mesh.topology, points);
+    let (mut triangles, problems) = triangulate(&mesh.topology, points);
+    if !needs_corners(mesh) {
+        triangles.corners = Vec::new();
+    }
     for problem in problems {
         say(problem.to_string());
     }
@@ -25,10 +31,22 @@ pub fn compile_shape(mesh: &Mesh, older: Option<&MeshShape>, say: &mut dyn FnMut
     MeshShape { points: Arc::clone(&mesh.points), mesh: triangles, bvh: Arc::new(bvh) }
 }
 
+/// Whether a shape lacks what the mesh's attributes are read by.
+pub fn lacks_corners(shape: &MeshShape, mesh: &Mesh) -> bool {
+    shape.mesh.corners.len() < shape.mesh.len() && needs_corners(mesh)
+}
+
+/// Whether a primvar that is read has values of its own at each corner of a face.
+fn needs_corners(mesh: &Mesh) -> bool {
+    let named = READ_PRIMVARS.iter().filter_map(|name| mesh.primvars.get(*name));
+    let normals = mesh.normals.iter().filter(|_| mesh.topology.scheme == SubdivisionScheme::None);
+    named.chain(normals).any(|primvar| primvar.interpolation == Interpolation::FaceVarying)
+}
+
 /// Collects normals and primvars. Says which could not be used.
 pub fn compile_attributes(mesh: &Mesh, shape: &MeshShape, say: &mut dyn FnMut(String)) -> MeshAttributes {
     let get = |name: &str| mesh.primvars.get(name).map(|primvar| (primvar, name.to_owned()));
-    let (color, opacity, st) = (get("displayColor"), get("displayOpacity"), get("st"));
+    let [color, opacity, st] = READ_PRIMVARS.map(get);
     MeshAttributes {
         normals: normals(mesh, shape, say),
         display_color: color.and_then(|(p, name)| attribute(mesh, p, &name, to_vec3, say)),
@@ -45,7 +63,7 @@ fn normals(mesh: &Mesh, shape: &MeshShape, say: &mut dyn FnMut(String)) -> Optio
             let normals = smooth_normals(&shape.mesh, bytemuck::cast_slice(&shape.points));
             let values: Vec<Vec3> = bytemuck::allocation::cast_vec(normals);
             let count = values.len();
-            Attribute::new(values, umber_geometry::Interpolation::Vertex, 0, count, 0).ok()
+            Attribute::new(values, Interpolation::Vertex, 0, count, 0).ok()
         }
         SubdivisionScheme::Bilinear => None,
         SubdivisionScheme::None => {
