@@ -48,6 +48,9 @@ struct RaysArguments {
     /// Only scenes whose name contains this.
     #[arg(long, default_value = "")]
     scene: String,
+    /// Splits each triangle into this number squared.
+    #[arg(long, default_value_t = 1)]
+    refine: u32,
     /// Folder of dumped triangles (*.tri).
     #[arg(long, default_value = "target/bench")]
     dumps: PathBuf,
@@ -77,8 +80,8 @@ fn rays_beside_embree(arguments: &RaysArguments) -> Result<()> {
         scenes: Vec::new(),
     };
     println!("{}; {}\n{}", report.processor, report.peer, report.method);
-    for scene in scenes::all(&arguments.dumps)?.iter().filter(|s| s.name.contains(&arguments.scene)) {
-        let result = measure::scene(scene, effort)?;
+    for scene in scenes::all(&arguments.dumps)?.into_iter().filter(|s| s.name.contains(&arguments.scene)) {
+        let result = measure::scene(&scene.refined(arguments.refine), effort)?;
         println!("{}", report::text(&result));
         report.scenes.push(result);
     }

@@ -78,6 +78,8 @@ pub struct SceneResult {
     pub build_seconds_two_threads: Vec<f64>,
     /// Each peer's hierarchies, bytes a triangle stored, without points and indices.
     pub bytes_per_triangle: Vec<f64>,
+    /// Points and indices, bytes a triangle stored.
+    pub geometry_bytes_per_triangle: f64,
     /// By kind of ray.
     pub kinds: Vec<KindResult>,
 }
@@ -106,6 +108,7 @@ pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
         build_seconds: one_thread,
         build_seconds_two_threads: two_threads,
         bytes_per_triangle: bytes.iter().map(|&b| b as f64 / triangles.max(1) as f64).collect(),
+        geometry_bytes_per_triangle: scene.geometry_bytes() as f64 / triangles.max(1) as f64,
         kinds: sets.iter().map(|set| kind(set, &tracers, effort.rounds)).collect(),
     })
 }

@@ -47,7 +47,12 @@ pub fn text(scene: &SceneResult) -> String {
         ),
         format!("  {:<12}{}  s, one thread", "build", list(&scene.build_seconds, 3)),
         format!("  {:<12}{}  s, two threads", "", list(&scene.build_seconds_two_threads, 3)),
-        format!("  {:<12}{}  bytes a triangle", "memory", list(&scene.bytes_per_triangle, 1)),
+        format!(
+            "  {:<12}{}  bytes a triangle, beside {:.1} of points and indices",
+            "memory",
+            list(&scene.bytes_per_triangle, 1),
+            scene.geometry_bytes_per_triangle
+        ),
     ];
     for kind in &scene.kinds {
         let peers = (1..PEERS.len()).map(|i| {

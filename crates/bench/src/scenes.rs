@@ -19,6 +19,35 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl Mesh {
+    /// The same surface with every triangle split into `sides²`.
+    #[must_use]
+    pub fn refined(&self, sides: u32) -> Self {
+        let mut fine = Self::default();
+        let n = sides.max(1);
+        // Rows from the first corner on: row i holds i + 1 points.
+        let at = |i: u32, j: u32| i * (i + 1) / 2 + j;
+        for triangle in &self.triangles {
+            let first = fine.points.len() as u32;
+            let [a, b, c] = triangle.map(|p| self.points[p as usize].0);
+            for i in 0..=n {
+                let (part, left) = (i as f32 / n as f32, 1.0 / i.max(1) as f32);
+                let (from, to) = (a.lerp(b, part), a.lerp(c, part));
+                fine.points.extend((0..=i).map(|j| Point3(from.lerp(to, j as f32 * left))));
+            }
+            for i in 0..n {
+                for j in 0..=i {
+                    fine.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)].map(|p| first + p));
+                    if j < i {
+                        fine.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)].map(|p| first + p));
+                    }
+                }
+            }
+        }
+        fine
+    }
+}
+
 /// A mesh at a place.
 pub struct Placement {
     /// Which mesh.
@@ -57,6 +86,22 @@ impl Scene {
     /// Whether it is one mesh where it is: then no library is made to go through an instance that moves rays.
     pub fn is_flat(&self) -> bool {
         self.instances.len() == 1 && self.instances[0].transform == DAffine3::IDENTITY
+    }
+
+    /// The same scene with every triangle split into `sides²`.
+    #[must_use]
+    pub fn refined(mut self, sides: u32) -> Self {
+        if sides > 1 {
+            self.meshes = self.meshes.iter().map(|mesh| mesh.refined(sides)).collect();
+            self.name += &format!(", each triangle in {}", sides * sides);
+        }
+        self
+    }
+
+    /// Bytes of points and indices.
+    pub fn geometry_bytes(&self) -> usize {
+        let bytes = |m: &Mesh| size_of_val(&m.points[..]) + size_of_val(&m.triangles[..]);
+        self.meshes.iter().map(bytes).sum()
     }
 
     /// Number of triangles that are stored.
