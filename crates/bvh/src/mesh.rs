@@ -171,8 +171,8 @@ const MARGIN: f32 = 16.0 * MACHINE_EPSILON;
 /// The box of a triangle, with its margin; empty where it is not finite.
 ///
 /// A vertex's rounded coordinates are those of a vertex moved, along the ray's main axis, by as much as one of the
-/// two sheared coordinates is off; what the other is off by then moves it along that one's axis. So the narrowest
-/// side can always go without, but for its own rounding: floors stay flat, and rays that leave them do not meet them.
+/// two sheared coordinates is off; what the other is off by then moves it along that one's axis. So a side without
+/// width can go without: floors stay flat, and rays that leave them do not meet them.
 fn triangle_bounds(vertices: [Vec3; 3]) -> Bounds3 {
     if !finite(vertices) {
         return Bounds3::EMPTY;
@@ -182,11 +182,10 @@ fn triangle_bounds(vertices: [Vec3; 3]) -> Bounds3 {
     // What has two corners in one place can't be hit.
     let part = if a == b || b == c || c == a { 0.0 } else { MARGIN };
     let own = high * part - low * part;
-    let margin = match (own.x <= own.y, own.x <= own.z, own.y <= own.z) {
-        (true, true, _) => Vec3::new(own.x, own.y.max(own.z), own.y.max(own.z)),
-        (false, _, true) => Vec3::new(own.x.max(own.z), own.y, own.x.max(own.z)),
-        _ => Vec3::new(own.x.max(own.y), own.x.max(own.y), own.z),
-    };
+    let mut margin = Vec3::splat(own.max_element());
+    if let Some(flat) = own.to_array().iter().position(|width| *width == 0.0) {
+        margin[flat] = 0.0;
+    }
     // One step more, since rounding may have taken the margin away; but never to infinity.
     let (low, high) = ((low - margin).to_array(), (high + margin).to_array());
     Bounds3 {
