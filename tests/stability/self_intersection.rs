@@ -3,7 +3,7 @@
 use umber_bench::stability::{
     DISTANCES, SCALES, offset,
     placed::{Placed, Placement, placements},
-    secondary::{Counts, inwards, is_resolved, near_lid, outwards},
+    secondary::{Counts, has_inside, inwards, is_resolved, near_lid, outwards},
     shapes::{Mesh, cube, icosphere},
 };
 use umber_math::{DAffine3, Vec3};
@@ -46,7 +46,9 @@ fn no_ray_meets_the_triangle_that_it_leaves() {
                 let placed = Placed::new(mesh.clone().map(|p| p * scale + offset(distance)), &[DAffine3::IDENTITY]);
                 let counts = outwards(&placed, count);
                 println!("{shape}, scale {scale:e}, distance {distance:e}: {counts:?}");
-                none(shape, counts);
+                assert_eq!(counts.own, 0, "{shape}, scale {scale:e}, distance {distance:e}");
+                // Rounded corners make what is thin no longer convex.
+                assert!(counts.wrong == 0 || !has_inside(&placed), "{shape}, {scale:e}, {distance:e}: {counts:?}");
                 textbook += counts.textbook;
             }
         }
@@ -76,22 +78,25 @@ fn no_ray_meets_the_instance_that_it_leaves() {
 fn no_ray_slips_out_where_surfaces_meet() {
     let count = rays(4_000);
     for (shape, mesh, half) in shapes() {
-        // At the rim of what is thinner than the place of its edges is known, there is no inside.
-        let most = if shape == "slivers" { count as u64 / 100 } else { 0 };
+        // At a rim of a hundredth of a right angle or less, the other side is nearer than a point's own rounding.
+        let few = |allowed: bool| if allowed { count as u64 / 80 } else { 0 };
         for scale in SCALES {
             for distance in DISTANCES.into_iter().filter(|d| scale * half.min_element() >= d * 1e-4) {
                 let placed = Placed::new(mesh.clone().map(|p| p * scale + offset(distance)), &[DAffine3::IDENTITY]);
                 let counts = inwards(&placed, half * scale, count);
                 println!("inside {shape}, scale {scale:e}, distance {distance:e}: {counts:?}");
-                assert!(counts.own <= most && counts.wrong <= most, "{shape}, {scale:e}, {distance:e}: {counts:?}");
+                assert_eq!(counts.own, 0, "inside {shape}, scale {scale:e}, distance {distance:e}");
+                assert!(counts.wrong <= few(shape == "slivers"), "{shape}, {scale:e}, {distance:e}: {counts:?}");
             }
         }
         everywhere(|place, placement| {
             let placed = Placed::new(mesh.clone(), &placement.transforms);
-            if shape != "slivers" && is_resolved(&placed) {
+            if has_inside(&placed) {
                 let counts = inwards(&placed, half, count / 4);
                 println!("inside {shape}, {place}: {counts:?}");
-                none(&format!("inside {shape}, {place}"), counts);
+                assert_eq!(counts.own, 0, "inside {shape}, {place}");
+                let thin = shape == "slivers" || placement.name == "flattened";
+                assert!(counts.wrong <= few(thin), "inside {shape}, {place}: {counts:?}");
             }
         });
     }

@@ -1,6 +1,6 @@
 //! Points of surfaces in render space, and the rays that leave them.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use umber_math::float::{MACHINE_EPSILON, offset_ray_origin};
 use umber_math::{Normal3, Point3, Ray, Vector3};
 
@@ -29,7 +29,12 @@ const ROUNDING: f64 = MACHINE_EPSILON as f64;
 /// Error of the place of an edge in the ray's space, relative to the triangle's extent.
 const EDGE_ERROR: f64 = 16.0 * ROUNDING;
 /// How near an edge must be for that to matter, relative to the triangle's extent.
-const EDGE_REACH: f64 = 2.0 * EDGE_ERROR;
+const EDGE_REACH: f64 = 4.0 * EDGE_ERROR;
+/// The same, in roundings of the point.
+const EDGE_ROUNDINGS: f64 = 8.0;
+/// How much of the way to its middle a point next to an edge is moved at most, over the least error of a weight: a
+/// needle's point is not to be carried along the needle.
+const MOST_INWARDS: f64 = 64.0;
 /// Error of a point put together in double precision, relative to the triangle's extent.
 const DOUBLE_ERROR: f64 = 16.0 * f64::EPSILON;
 /// Error of an inverse matrix in double precision, of which each entry is a difference of two products over the
@@ -53,8 +58,9 @@ const SECOND_ORDER: f64 = 1.0 + 1.0 / 64.0;
 /// transforms.
 ///
 /// Next to an edge the test cannot tell on which neighbour a point is. There the ray must also clear the rounding of
-/// where that edge is, which is relative to the triangle's extent: the point is moved that much into the triangle,
-/// and is to be cleared by as much.
+/// where that edge is, which is relative to the triangle's extent: the point is moved twice that into the triangle, and
+/// past what its own roundings move it, and is to be cleared by as much. How near an edge is is told by the weights,
+/// which no transform changes.
 #[inline]
 pub fn surface_point<'a>(
     triangle: [Point3; 3],
@@ -62,57 +68,57 @@ pub fn surface_point<'a>(
     transforms: impl DoubleEndedIterator<Item = &'a DAffine3>,
 ) -> SurfacePoint {
     let [a, b, c] = triangle.map(|p| p.0.as_dvec3());
-    let [b0, b1, b2] = [b0, b1, b2].map(f64::from);
+    let weights = [b0, b1, b2].map(f64::from);
     let mut edges = [b - a, c - a];
-    let mut point = a + edges[0] * b1 + edges[1] * b2;
-    let extent = extent(edges, b1, b2);
+    let mut point = a + edges[0] * weights[1] + edges[1] * weights[2];
+    let extent = DVec3::splat([a, b, c].into_iter().fold(0.0, |e: f64, v| e.max((v - point).abs().max_element())));
     let mut normal = edges[0].cross(edges[1]);
-    // Boxes in the space that is reached: of all roundings so far, and of one unit of EDGE_ERROR.
-    let (mut rounding, mut blur) = (point.abs() * ROUNDING, DVec3::splat(extent));
-    // Towards the plane, times the normal's length.
-    let mut height = normal.abs().dot(rounding + blur * DOUBLE_ERROR);
+    let own = point.abs() * ROUNDING;
+    // Towards the plane, times the normal's length: of all roundings, and of where an edge is.
+    let mut height = normal.abs().dot(own + extent * DOUBLE_ERROR);
+    let mut edge_height = normal.abs().dot(extent * EDGE_ERROR);
+    let mut reach = weight_error(edges, normal, own * EDGE_ROUNDINGS + extent * EDGE_REACH);
     for transform in transforms.rev().filter(|t| **t != DAffine3::IDENTITY) {
         let matrix = &transform.matrix3;
         edges = edges.map(|e| *matrix * e);
         point = transform.transform_point3(point);
         normal = edges[0].cross(edges[1]);
         let own = point.abs() * ROUNDING;
-        rounding = magnitude(matrix, rounding) + own;
-        blur = magnitude(matrix, blur);
         // The normal was multiplied by the cofactors: lengths along it by the determinant.
         let volume = matrix.determinant().abs();
         height = height * volume + normal.abs().dot(own + inverse_error(transform, volume, point));
+        edge_height *= volume;
+        reach += weight_error(edges, normal, own * EDGE_ROUNDINGS);
     }
     let area = normal.length();
-    let unit = normal.normalize_or_zero();
-    let extent = self::extent(edges, b1, b2);
-    let reach = EDGE_REACH * blur.max_element() + 4.0 * rounding.max_element();
-    let mut clearance = if area > 0.0 { height / area } else { 0.0 };
-    // The least weight times twice the area, over the extent, is at most the distance to the nearest edge.
-    if b0.min(b1).min(b2) * area <= reach * extent {
-        clearance += EDGE_ERROR * unit.abs().dot(blur);
-        let to_middle = edges[0] * (1.0 / 3.0 - b1) + edges[1] * (1.0 / 3.0 - b2);
-        point += to_middle * (4.0 * reach / extent).min(1.0);
+    if weights[0] < reach.x || weights[1] < reach.y || weights[2] < reach.z {
+        height += edge_height;
+        point += (edges[0] * (1.0 / 3.0 - weights[1]) + edges[1] * (1.0 / 3.0 - weights[2])) * inwards(weights, reach);
     }
+    let clearance = if area > 0.0 { height / area * SECOND_ORDER } else { 0.0 };
     SurfacePoint {
         point: Point3(point.as_vec3()),
-        normal: Normal3(unit.as_vec3()),
-        clearance: (clearance * SECOND_ORDER) as f32,
+        normal: Normal3(normal.normalize_or_zero().as_vec3()),
+        clearance: clearance as f32,
     }
 }
 
-/// Largest distance along an axis from the point with these weights to a corner.
+/// By how much each weight is off where a point is off by a box of these half-widths, at most.
 #[inline]
-fn extent([e1, e2]: [DVec3; 2], b1: f64, b2: f64) -> f64 {
-    let to_first = e1 * -b1 - e2 * b2;
-    let corners = [to_first, to_first + e1, to_first + e2];
-    corners.into_iter().fold(0.0, |e: f64, v| e.max(v.abs().max_element()))
+fn weight_error([e1, e2]: [DVec3; 2], normal: DVec3, half: DVec3) -> DVec3 {
+    let across = |edge: DVec3| normal.cross(edge).abs().dot(half);
+    let squared = normal.length_squared();
+    let error = DVec3::new(across(e2 - e1), across(e2), across(e1)) / squared;
+    if squared > 0.0 { error } else { DVec3::ZERO }
 }
 
-/// The box around a transformed box around zero, by its half-widths.
-#[inline]
-fn magnitude(m: &DMat3, half: DVec3) -> DVec3 {
-    m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z
+/// What part of the way to its middle brings a point of a triangle so far from each edge; for a needle, less.
+#[cold]
+fn inwards(weights: [f64; 3], reach: DVec3) -> f64 {
+    const MIDDLE: f64 = 1.0 / 3.0;
+    let lacking = weights.into_iter().zip(reach.to_array()).filter(|(weight, reach)| weight < reach);
+    let part = lacking.map(|(weight, reach)| if reach < MIDDLE { (reach - weight) / (MIDDLE - weight) } else { 1.0 });
+    part.fold(0.0, f64::max).min(MOST_INWARDS * reach.min_element()).min(1.0)
 }
 
 /// How far, in the parent's space, a point may be moved by the rounding of the inverse in double precision. It
@@ -136,7 +142,9 @@ mod tests {
 
     fn transform() -> DAffine3 {
         let turn = DAffine3::from_rotation_x(0.7) * DAffine3::from_rotation_z(-1.9);
-        DAffine3::from_translation(DVec3::new(1e4, -30.0, 7.0)) * turn * DAffine3::from_scale(DVec3::new(-2.0, 1.0, 5.0))
+        DAffine3::from_translation(DVec3::new(1e4, -30.0, 7.0))
+            * turn
+            * DAffine3::from_scale(DVec3::new(-2.0, 1.0, 5.0))
     }
 
     #[test]
@@ -147,11 +155,8 @@ mod tests {
         assert_eq!(at.point.0, (a * 0.25 + b * 0.25 + c * 0.5).as_vec3());
         let n = (b - a).cross(c - a).normalize();
         assert!(n.distance(at.normal.0.as_dvec3()) < 1e-7);
-        let by_inverse = Transform::from_affine(m).unwrap().normal(crate::geometric_normal(
-            TRIANGLE[0],
-            TRIANGLE[1],
-            TRIANGLE[2],
-        ));
+        let by_inverse =
+            Transform::from_affine(m).unwrap().normal(crate::geometric_normal(TRIANGLE[0], TRIANGLE[1], TRIANGLE[2]));
         assert!(by_inverse.normalized().0.dot(at.normal.0) < -0.999, "mirrored, the winding names the other side");
     }
 

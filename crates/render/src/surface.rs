@@ -39,12 +39,7 @@ impl SurfaceInteraction {
         };
         let material = scene.materials.get(mesh.material_of(hit.triangle) as usize);
         let lobes = material.and_then(|m| m.lobes).unwrap_or_else(|| Lobes::lambert(display_color(mesh, hit)));
-        Self {
-            at,
-            shading_normal: shading,
-            emission: material.map_or(Rgb::BLACK, |m| m.emission),
-            lobes,
-        }
+        Self { at, shading_normal: shading, emission: material.map_or(Rgb::BLACK, |m| m.emission), lobes }
     }
 
     /// Its reflection towards `wo`, unit.

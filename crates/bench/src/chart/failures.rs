@@ -54,11 +54,11 @@ fn draw(panel: &Panel, area: &Area<'_>) -> Result<()> {
     let (title, below) = area.split_vertically(26 + 18 * panel.series.len() as u32);
     title.draw(&Text::new(panel.title.clone(), (16, 2), font(14))).map_err(failed)?;
     for (i, series) in panel.series.iter().enumerate() {
-        let y = 33 + 18 * i as i32;
+        let y = 32 + 18 * i as i32;
         let line = [(16, y), (40, y)];
         title.draw(&PathElement::new(line, COLORS[i].stroke_width(3))).map_err(failed)?;
         title.draw(&Circle::new((28, y), 4, COLORS[i].filled())).map_err(failed)?;
-        title.draw(&Text::new(series.name, (48, y - 8), font(13))).map_err(failed)?;
+        title.draw(&Text::new(series.name, (48, y - 6), font(13))).map_err(failed)?;
     }
     let mut chart = ChartBuilder::on(&below)
         .margin(8)

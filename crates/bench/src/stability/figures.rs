@@ -85,10 +85,11 @@ pub fn all(rays: usize) -> Vec<Figure> {
 
 fn missed_hits(rays: usize) -> Figure {
     let names = ["Umber", "Möller–Trumbore, epsilon 10⁻⁶"];
-    let sizes = panel("aimed inside triangles at the origin".into(), "triangle size, units", names, decades(-6, 5), |x| {
-        let c = hits::at(x, 0.0, rays);
-        [(c.missed, c.rays), (c.textbook_missed, c.rays)]
-    });
+    let sizes =
+        panel("aimed inside triangles at the origin".into(), "triangle size, units", names, decades(-6, 5), |x| {
+            let c = hits::at(x, 0.0, rays);
+            [(c.missed, c.rays), (c.textbook_missed, c.rays)]
+        });
     let closed = |radius: f32, distance: f32| {
         let center = offset(distance);
         let mesh = icosphere(2).map(|p| p * radius + center);
@@ -103,7 +104,8 @@ fn missed_hits(rays: usize) -> Figure {
 }
 
 fn secondary_rays(rays: usize) -> Figure {
-    let names = ["Umber, both", "fixed offset 10⁻⁴: meets its own triangle", "fixed offset 10⁻⁴: passes over a near one"];
+    let names =
+        ["Umber, both", "fixed offset 10⁻⁴: meets its own triangle", "fixed offset 10⁻⁴: passes over a near one"];
     let turned = |radius: f32, distance: f32| {
         let transforms = placements(f64::from(distance), f64::from(radius)).swap_remove(1).transforms;
         let leaving = secondary::outwards(&Placed::new(icosphere(3), &transforms), rays);
@@ -111,7 +113,8 @@ fn secondary_rays(rays: usize) -> Figure {
         let ours = leaving.own + leaving.wrong + near.own + near.wrong;
         [(ours, leaving.rays + near.rays), (leaving.textbook, leaving.rays), (near.textbook, near.rays)]
     };
-    let at_origin = panel("a turned sphere at the origin".into(), "radius, units", names, decades(-5, 5), |x| turned(x, 0.0));
+    let at_origin =
+        panel("a turned sphere at the origin".into(), "radius, units", names, decades(-5, 5), |x| turned(x, 0.0));
     let title = "a turned sphere of radius 1000".to_string();
     let far = panel(title, DISTANCE, names, decades(0, 6), |x| turned(1e3, x));
     Figure { name: "stability_secondary", title: "Rays that leave surfaces", panels: vec![at_origin, far] }

@@ -65,8 +65,13 @@ impl Placed {
     }
     /// The middle of the mesh's box in render space.
     pub fn center(&self) -> DVec3 {
-        let b = umber_math::Bounds3::of_points(self.mesh.points.iter().copied());
-        self.render(b.center().0.as_dvec3())
+        self.render(self.mesh.bounds().center().0.as_dvec3())
+    }
+    /// At most half of what it measures where it is thinnest, render space.
+    pub fn thickness(&self) -> f64 {
+        let m = self.render_from_object.matrix3.inverse();
+        let squares = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length_squared);
+        f64::from(self.mesh.bounds().size().min_element()) * 0.5 / squares.iter().sum::<f64>().sqrt()
     }
     /// How far apart numbers are at a point of the object, in render-space units: the sum over all spaces in which
     /// a ray that starts there is rounded.

@@ -26,12 +26,17 @@ pub struct Counts {
     pub textbook: u64,
 }
 
-/// Where the numbers of a mesh's place are this many to its radius at least, it has an inside.
+/// Where this many spacings of the numbers fit into a mesh, it has a shape.
 const RESOLUTION: f64 = 1000.0;
 
 /// Whether a placed mesh has a shape: the numbers where it stands are close enough.
 pub fn is_resolved(placed: &Placed) -> bool {
     f64::from(placed.radius()) > RESOLUTION * placed.spacing(placed.mesh.points[0].0.as_dvec3())
+}
+
+/// Whether a placed mesh also has an inside: not so where it is flat.
+pub fn has_inside(placed: &Placed) -> bool {
+    placed.thickness() > RESOLUTION * placed.spacing(placed.mesh.points[0].0.as_dvec3())
 }
 
 /// The unit normal of a triangle on the side of a vector, in double precision.
@@ -90,11 +95,13 @@ pub fn inwards(placed: &Placed, half: Vec3, count: usize) -> Counts {
 }
 
 fn middle(mesh: &Mesh) -> DVec3 {
-    umber_math::Bounds3::of_points(mesh.points.iter().copied()).center().0.as_dvec3()
+    mesh.bounds().center().0.as_dvec3()
 }
 
 /// How many spacings of the numbers a near surface is away.
 pub const NEAR: f64 = 4.0;
+/// The part of the floor, about its middle, that rays leave.
+const NEAR_CENTER: f32 = 0.01;
 
 /// Rays that leave a floor of half-width one, seen from above, and meet a lid over it that is [`NEAR`] spacings of
 /// the numbers away. Both stand at `center` in object space, a place that moves no corner; the transforms place them.
@@ -108,14 +115,14 @@ pub fn near_lid(transforms: &[DAffine3], center: Vec3, count: usize) -> Option<C
     if !is_resolved(&below) {
         return None;
     }
-    let gap = NEAR * below.spacing(center.as_dvec3());
+    let gap = NEAR * below.spacing((center + NEAR_CENTER).as_dvec3());
     let lid = square((f64::from(center.y) + gap / below.height(DVec3::Y)) as f32, 2.0);
     let both = floor.points.iter().copied().chain(lid).collect();
     let both = Placed::new(Mesh { points: both, triangles: vec![[0, 1, 2], [3, 4, 5]] }, transforms);
     let up = normal(below.corners(0), below.render(DVec3::Y) - below.render(DVec3::ZERO)).as_vec3();
     let radius = below.radius();
     let [rays, own, wrong, textbook] = tally(count, 0x5caf_f01d, |random, _| {
-        let near = center + (random.point_of(below.mesh.corners(0), false) - center) * 0.01;
+        let near = center + (random.point_of(below.mesh.corners(0), false) - center) * NEAR_CENTER;
         let target = below.render(near.as_dvec3()).as_vec3();
         let first = ray_to(target + (up + random.cube() * 0.1) * radius, target);
         let Some(hit) = below.scene.closest_hit(&first) else { return [0; 4] };

@@ -3,7 +3,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use umber_bvh::{Child, Instance, InstanceBvh, MeshBvh};
-use umber_math::{DAffine3, Point3, Ray, Vec3, Vector3};
+use umber_math::{Bounds3, DAffine3, Point3, Ray, Vec3, Vector3};
 
 /// Points and triangles.
 #[derive(Clone, Default)]
@@ -23,6 +23,10 @@ impl Mesh {
     /// The corners of a triangle.
     pub fn corners(&self, triangle: usize) -> [Point3; 3] {
         self.triangles[triangle].map(|i| self.points[i as usize])
+    }
+    /// The box around its points.
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::of_points(self.points.iter().copied())
     }
     /// Its hierarchy, placed by the identity.
     pub fn scene(&self) -> InstanceBvh {
