@@ -1,13 +1,11 @@
 //! Where ray tracing methods fail: each case a number, beside the textbook method that fails there.
 //!
-//! `UMBER_STABILITY_RAYS` sets the number of rays of each case: 10⁸ is the full measure, the default a
-//! sample of it. With `--nocapture` each test prints its numbers.
+//! The counting is `umber_bench::stability`'s. `UMBER_STABILITY_RAYS` sets the number of rays of each case: 10⁸ is
+//! the full measure, the default a sample of it. With `--nocapture` each test prints its numbers.
 
 mod boxes;
 mod far_and_small;
-mod meshes;
 mod self_intersection;
-mod textbook;
 mod watertight;
 
 /// Rays of each case: `default`, unless the environment says another number.

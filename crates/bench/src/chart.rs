@@ -1,4 +1,4 @@
-//! Bar charts, on a light panel of their own so that they read on light and dark pages alike.
+//! Charts, on a light panel of their own so that they read on light and dark pages alike.
 
 use std::path::Path;
 
@@ -6,6 +6,10 @@ use anyhow::{Result, anyhow};
 use plotters::prelude::*;
 
 use crate::{measure::PEERS, report::Report};
+
+mod failures;
+
+pub use failures::failures;
 
 const PANEL: RGBColor = RGBColor(250, 250, 248);
 const INK: RGBColor = RGBColor(40, 40, 44);

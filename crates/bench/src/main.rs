@@ -1,13 +1,12 @@
-//! Speed beside other libraries: `bench rays`.
+//! Speed beside other libraries: `bench rays`. Failures beside textbook methods: `bench stability`.
 //!
-//! Measures single-ray queries on one thread beside Embree, in one run and in turn, on the same
+//! The first measures single-ray queries on one thread beside Embree, in one run and in turn, on the same
 //! triangles and rays, and compares the hits. Embree is found when this is built (see `build.rs`).
 
 mod chart;
 #[cfg(embree)]
 mod embree;
 mod measure;
-mod random;
 mod rays;
 mod report;
 mod scenes;
@@ -20,6 +19,7 @@ use clap::{Parser, Subcommand};
 
 use measure::Effort;
 use report::Report;
+use umber_bench::{random, stability::figures};
 
 #[derive(Parser)]
 #[command(about = "Measure Umber beside its peers.")]
@@ -32,6 +32,8 @@ struct Arguments {
 enum What {
     /// Rays a second beside Embree.
     Rays(RaysArguments),
+    /// Rays that fail, over size and distance from the origin.
+    Stability(StabilityArguments),
 }
 
 #[derive(clap::Args)]
@@ -54,7 +56,22 @@ struct RaysArguments {
     /// Folder of dumped triangles (*.tri).
     #[arg(long, default_value = "target/bench")]
     dumps: PathBuf,
-    /// Folders for rays.json; charts go there too.
+    #[command(flatten)]
+    record: RecordArguments,
+}
+
+#[derive(clap::Args)]
+struct StabilityArguments {
+    /// Rays at each point of a chart.
+    #[arg(long, default_value_t = 1_000_000)]
+    rays: usize,
+    #[command(flatten)]
+    record: RecordArguments,
+}
+
+#[derive(clap::Args)]
+struct RecordArguments {
+    /// Folders for what was measured, as JSON, and its charts.
     #[arg(long, default_value = "target/bench")]
     out: Vec<PathBuf>,
     /// The commit that is measured, for the record.
@@ -65,14 +82,37 @@ struct RaysArguments {
 fn main() -> Result<()> {
     match Arguments::parse().what {
         What::Rays(arguments) => rays_beside_embree(&arguments),
+        What::Stability(arguments) => failures(&arguments),
     }
+}
+
+fn failures(arguments: &StabilityArguments) -> Result<()> {
+    let report = report::Failures {
+        processor: report::processor(),
+        commit: arguments.record.commit.clone(),
+        command: format!("cargo xtask bench stability --rays {}", arguments.rays),
+        figures: figures::all(arguments.rays),
+    };
+    for figure in &report.figures {
+        println!("{}", figures::text(figure));
+    }
+    for folder in &arguments.record.out {
+        let named = || folder.display().to_string();
+        fs::create_dir_all(folder).with_context(named)?;
+        fs::write(folder.join("stability.json"), serde_json::to_string_pretty(&report)? + "\n").with_context(named)?;
+        for figure in &report.figures {
+            let file = folder.join(figure.name).with_extension("svg");
+            chart::failures(figure, &report, &file).with_context(|| file.display().to_string())?;
+        }
+    }
+    Ok(())
 }
 
 fn rays_beside_embree(arguments: &RaysArguments) -> Result<()> {
     let effort = Effort { rays: arguments.rays, rounds: arguments.rounds, builds: arguments.builds };
     let mut report = Report {
         processor: report::processor(),
-        commit: arguments.commit.clone(),
+        commit: arguments.record.commit.clone(),
         command: format!("cargo xtask bench rays --rays {} --rounds {}", effort.rays, effort.rounds),
         peer: peer()?,
         method: "one thread, single-ray queries, processor time of the thread, median of rounds taken in turn".into(),
@@ -90,7 +130,7 @@ fn rays_beside_embree(arguments: &RaysArguments) -> Result<()> {
             println!("least ratio to {peer}: {ratio:.2} ({place})");
         }
     }
-    for folder in &arguments.out {
+    for folder in &arguments.record.out {
         let named = || folder.display().to_string();
         fs::create_dir_all(folder).with_context(named)?;
         fs::write(folder.join("rays.json"), serde_json::to_string_pretty(&report)? + "\n").with_context(named)?;

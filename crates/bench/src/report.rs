@@ -4,6 +4,8 @@ use std::fs;
 
 use serde::Serialize;
 
+use umber_bench::stability::figures::Figure;
+
 use crate::measure::{PEERS, SceneResult};
 
 /// Everything measured in one run.
@@ -23,6 +25,19 @@ pub struct Report {
     pub peers: Vec<&'static str>,
     /// By scene.
     pub scenes: Vec<SceneResult>,
+}
+
+/// Failures beside textbook methods, counted in one run.
+#[derive(Debug, Serialize)]
+pub struct Failures {
+    /// The processor.
+    pub processor: String,
+    /// The commit.
+    pub commit: String,
+    /// What to call to count again.
+    pub command: String,
+    /// What was counted.
+    pub figures: Vec<Figure>,
 }
 
 impl Report {

@@ -265,10 +265,26 @@ impl InstanceBvh {
         Transform::from_affine(self.render_from_object_double(path)).unwrap_or_default()
     }
 
+    /// The transforms along a path, outermost first, each from a child's space to its group's; as many as there are
+    /// where the path leads nowhere.
+    #[inline]
+    pub fn transforms(&self, path: &InstancePath) -> impl DoubleEndedIterator<Item = &DAffine3> + use<'_> {
+        let (mut transforms, mut count) = ([&DAffine3::IDENTITY; MAX_DEPTH], 0);
+        let mut group = Some(self);
+        for (&index, slot) in path.as_slice().iter().zip(&mut transforms) {
+            let Some(instance) = group.and_then(|g| g.instances.get(index as usize)) else { break };
+            (*slot, count) = (&instance.parent_from_child, count + 1);
+            group = match &instance.child {
+                Child::Group(inner) => Some(&**inner),
+                Child::Mesh { .. } => None,
+            };
+        }
+        transforms.into_iter().take(count)
+    }
+
     /// As [`InstanceBvh::render_from_object`], before rounding.
     pub fn render_from_object_double(&self, path: &InstancePath) -> DAffine3 {
-        let levels = 0..path.as_slice().len();
-        levels.filter_map(|l| self.instance_at(path, l)).fold(DAffine3::IDENTITY, |m, i| m * i.parent_from_child)
+        self.transforms(path).fold(DAffine3::IDENTITY, |m, t| m * *t)
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use common::{Mesh, Random, icosphere, place, ray_to, soup};
 use umber_bvh::{Child, Instance, InstanceBvh, InstancePath, MAX_DEPTH, MeshBvh, SimdLevel};
+use umber_geometry::surface_point;
 use umber_math::{DAffine3, DVec3, Point3, Ray, Vec3, Vector3};
 
 fn some_transform(random: &mut Random, spread: f64) -> DAffine3 {
@@ -83,9 +84,8 @@ fn nested_hits_are_the_flattened_ones() {
 }
 
 fn check_transform(scene: &InstanceBvh, hit: &umber_bvh::Hit, ray: &Ray, meshes: &[Mesh; 2]) {
-    let [a, b, c] = meshes[hit.mesh as usize].vertices(hit.triangle as usize);
-    let (p, _) = umber_geometry::watertight::hit_point(a, b, c, hit.barycentrics);
-    let back = scene.render_from_object(&hit.path).point(p);
+    let triangle = meshes[hit.mesh as usize].vertices(hit.triangle as usize);
+    let back = surface_point(triangle, hit.barycentrics, scene.transforms(&hit.path)).point;
     assert!(back.distance(ray.at(hit.t)) < 1e-3, "{back:?} is not {:?}", ray.at(hit.t));
     let last = hit.path.as_slice().len() - 1;
     let shown = scene.instance_at(&hit.path, last).map(|i| i.tag);
@@ -159,9 +159,8 @@ fn far_instances_lose_nothing() {
     let ray = Ray::new(Point3(eye), Vector3(-Vec3::Z));
     let hit = scene.closest_hit(&ray).unwrap();
     assert!((hit.t - 300.0).abs() < 1.0, "{}", hit.t);
-    let [a, b, c] = mesh.vertices(hit.triangle as usize);
-    let (p, _) = umber_geometry::watertight::hit_point(a, b, c, hit.barycentrics);
-    let world = scene.render_from_object_double(&hit.path).transform_point3(p.0.as_dvec3());
+    let at = surface_point(mesh.vertices(hit.triangle as usize), hit.barycentrics, [].iter()).point;
+    let world = scene.render_from_object_double(&hit.path).transform_point3(at.0.as_dvec3());
     assert!((world - (eye.as_dvec3() - DVec3::Z * f64::from(hit.t))).length() < 1e-3, "{world}");
 }
 

@@ -133,6 +133,9 @@ impl ShearedRay {
 }
 
 /// Barycentrics and parameter in double precision, from the same sheared vertices; none where it is outside.
+///
+/// All triangles at an edge or vertex that the ray meets exactly have the same parameter, bit for bit: what goes on
+/// behind it passes them all.
 #[cold]
 fn in_double(vertices: [(f32, f32, f32); 3]) -> Option<([f32; 3], f32)> {
     let [a, b, c] = vertices.map(|p| Vec3::from(p).as_dvec3());
@@ -144,39 +147,29 @@ fn in_double(vertices: [(f32, f32, f32); 3]) -> Option<([f32; 3], f32)> {
     }
     let det = u + v + w;
     let (b0, b1, b2) = (u / det, v / det, w / det);
-    Some(([b0 as f32, b1 as f32, b2 as f32], (b0 * a.z + b1 * b.z + b2 * c.z) as f32))
+    let t = match (u == 0.0, v == 0.0, w == 0.0) {
+        _ if det == 0.0 => f64::NAN,
+        (true, ..) => on_edge(b, c),
+        (_, true, _) => on_edge(c, a),
+        (.., true) => on_edge(a, b),
+        _ => b0 * a.z + b1 * b.z + b2 * c.z,
+    };
+    Some(([b0 as f32, b1 as f32, b2 as f32], t as f32))
 }
 
-/// The point at barycentric coordinates, and by how far in each axis a ray that leaves it must clear it.
-///
-/// Put together in double precision from one corner and two edges, so that rounded barycentrics move it
-/// within the plane alone; what remains is its own rounding, whatever the triangle's size. Only next to an
-/// edge, where the test cannot tell on which neighbour a point is, the ray must also clear the rounding of
-/// where that edge is, which is relative to the triangle's extent: there the point is moved that much into
-/// the triangle, and is to be cleared by as much.
-#[inline]
-pub fn hit_point(p0: Point3, p1: Point3, p2: Point3, barycentrics: [f32; 3]) -> (Point3, Vec3) {
-    let [a, b, c] = [p0, p1, p2].map(|p| p.0.as_dvec3());
-    let [b0, b1, b2] = barycentrics.map(f64::from);
-    let (ab, ac) = (b - a, c - a);
-    let exact: DVec3 = a + ab * b1 + ac * b2;
-    let extent = [a, b, c].into_iter().fold(0.0, |e: f64, v| e.max((v - exact).abs().max_element()));
-    let size = exact.abs().max_element();
-    let reach = EDGE_REACH * extent + 4.0 * f64::from(MACHINE_EPSILON) * size;
-    // The least weight times twice the area, over the extent, is at most the distance to the nearest edge.
-    let at_edge = b0.min(b1).min(b2) * ab.cross(ac).length() <= reach * extent;
-    let (clearance, inwards) =
-        if at_edge { (EDGE_ERROR, (4.0 * reach / extent).min(1.0)) } else { (DOUBLE_ERROR, 0.0) };
-    let point = (exact + ((a + b + c) / 3.0 - exact) * inwards).as_vec3();
-    (Point3(point), point.abs() * MACHINE_EPSILON + Vec3::splat((extent * clearance) as f32))
+/// Depth at which the ray meets an edge that it meets exactly; the same whichever end is named first.
+fn on_edge(p: DVec3, q: DVec3) -> f64 {
+    let along_x = (q.x - p.x).abs() >= (q.y - p.y).abs();
+    let (from, to) = if along_x { (p.x, q.x) } else { (p.y, q.y) };
+    // A vertex met exactly is at zero: products with it vanish, and its depth is what remains.
+    if from == 0.0 {
+        p.z
+    } else if to == 0.0 {
+        q.z
+    } else {
+        (p.z * to - q.z * from) / (to - from)
+    }
 }
-
-/// Error of the place of an edge in the ray's space, relative to the triangle's extent.
-const EDGE_ERROR: f64 = 16.0 * MACHINE_EPSILON as f64;
-/// How near an edge must be for that to matter, relative to the triangle's extent.
-const EDGE_REACH: f64 = 2.0 * EDGE_ERROR;
-/// Error of a point put together in double precision, relative to the triangle's extent.
-const DOUBLE_ERROR: f64 = 16.0 * f64::EPSILON;
 
 #[cfg(test)]
 mod tests {
@@ -194,8 +187,6 @@ mod tests {
             let r = ray(o, d);
             let hit = ShearedRay::new(&r).unwrap().intersect(p0, p1, p2, 0.0, f32::INFINITY).unwrap();
             assert_eq!(hit, TriangleHit { t: 5.0, barycentrics: [0.25, 0.25, 0.5] });
-            let (p, error) = hit_point(p0, p1, p2, hit.barycentrics);
-            assert!((p.0 - r.at(hit.t).0).abs().cmple(error).all());
         }
     }
 

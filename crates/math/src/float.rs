@@ -1,7 +1,6 @@
 //! Floating-point error: bounds after pbrt-v4 section 6.8.1 ("Floating-Point Arithmetic").
 
 use crate::{Normal3, Point3, Vector3};
-use glam::Vec3;
 
 /// Half the distance between 1 and the next float: the largest relative error of one rounding.
 pub const MACHINE_EPSILON: f32 = f32::EPSILON * 0.5;
@@ -13,14 +12,11 @@ pub const fn gamma(n: i32) -> f32 {
     e / (1.0 - e)
 }
 
-/// The origin of a ray that leaves a surface point in direction `w`, moved along the geometric
-/// normal just past the box of the point's rounding error, so that the true surface lies behind it.
-///
-/// `error` is the absolute error of `p` in each axis. pbrt-v4 section 6.8.6.
+/// The origin of a ray that leaves a surface point in direction `w`: at least `clearance` from it along the
+/// geometric normal, whatever is rounded here. pbrt-v4 section 6.8.6.
 #[inline]
-pub fn offset_ray_origin(p: Point3, error: Vec3, n: Normal3, w: Vector3) -> Point3 {
-    let d = n.0.abs().dot(error);
-    let offset = if w.dot_normal(n) < 0.0 { -d * n.0 } else { d * n.0 };
+pub fn offset_ray_origin(p: Point3, clearance: f32, n: Normal3, w: Vector3) -> Point3 {
+    let offset = if w.dot_normal(n) < 0.0 { -clearance * n.0 } else { clearance * n.0 };
     let moved = p.0 + offset;
     let away = |v: f32, o: f32| {
         if o > 0.0 {

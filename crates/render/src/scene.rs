@@ -79,7 +79,7 @@ impl RenderScene {
         if culled == CulledFaces::None {
             return false;
         }
-        let away = surface::SurfaceInteraction::new(self, hit).geometric_normal.as_vector().dot(direction) > 0.0;
+        let away = surface::SurfaceInteraction::new(self, hit).at.normal.as_vector().dot(direction) > 0.0;
         away == (culled == CulledFaces::Back)
     }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: measures beside other libraries, into target/bench and docs/charts.
+//! `cargo xtask bench`: measures beside other libraries and textbook methods, into target/bench and docs/charts.
 
 use std::{
     fs,
@@ -20,7 +20,8 @@ const STAGES: [(&str, &str); 2] = [
 /// Arguments of `cargo xtask bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`. See `rays --help`.
+    /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`.
+    /// See `rays --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }
@@ -32,12 +33,16 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let folder = workspace::target().join("bench");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    for (name, stage) in STAGES {
+    let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
+    for (name, stage) in STAGES.into_iter().filter(|_| of_stages) {
         dump(&workspace::root().join("../shared/assets").join(stage), &folder.join(name).with_extension("tri"))?;
     }
     let mut cargo = process::cargo();
     cargo.args(["run", "--quiet", "--release", "--package", "umber-bench", "--"]).args(&arguments.words);
-    cargo.arg("--dumps").arg(&folder).arg("--out").arg(&folder).args(["--out", "docs/charts", "--commit", &commit()?]);
+    if of_stages {
+        cargo.arg("--dumps").arg(&folder);
+    }
+    cargo.arg("--out").arg(&folder).args(["--out", "docs/charts", "--commit", &commit()?]);
     process::run(cargo.current_dir(workspace::root()))?;
     Ok(ExitCode::SUCCESS)
 }

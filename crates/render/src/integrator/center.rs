@@ -12,7 +12,7 @@ pub fn trace(scene: &RenderScene, pixel: [usize; 2], rays: &mut u64) -> Option<C
     let hit = scene.camera_hit(ray, rays, |_| 0.5)?;
     let surface = SurfaceInteraction::new(scene, &hit);
     let mesh = &scene.meshes[hit.mesh as usize];
-    let depths = scene.camera.depths(surface.point);
+    let depths = scene.camera.depths(surface.at.point);
     // USD's tools show normals towards the viewer
     let normal = surface.shading_normal.facing(-ray.direction);
     Some(CenterHit {

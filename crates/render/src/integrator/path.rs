@@ -87,10 +87,10 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         origin = match sample.lobe {
             LobeKind::Delta => Origin::Delta { diffuse_share },
             LobeKind::Diffuse | LobeKind::Glossy => {
-                Origin::Bsdf { point: surface.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share }
+                Origin::Bsdf { point: surface.at.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share }
             }
         };
-        ray = surface.spawn_ray(sample.wi);
+        ray = surface.at.spawn_ray(sample.wi);
     }
     RadianceSample { radiance, coverage }
 }
@@ -175,10 +175,10 @@ fn direct(
     rays: &mut u64,
 ) -> Rgb {
     sampler.start_dimension(base + LIGHT_CHOICE);
-    let Some((index, pmf)) = scene.lights.choose(surface.point, sampler.next_1d()) else { return Rgb::BLACK };
+    let Some((index, pmf)) = scene.lights.choose(surface.at.point, sampler.next_1d()) else { return Rgb::BLACK };
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(base + LIGHT_POINT);
-    let Some(sample) = light.sample(surface.point, sampler.next_2d()) else { return Rgb::BLACK };
+    let Some(sample) = light.sample(surface.at.point, sampler.next_2d()) else { return Rgb::BLACK };
     let value = bsdf.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
     let pdf_light = pmf * sample.pdf_solid_angle;
@@ -191,7 +191,7 @@ fn direct(
     if !light.shadow_enable() {
         return unoccluded * mis_weight_light;
     }
-    let mut shadow_ray = surface.spawn_ray(sample.wi);
+    let mut shadow_ray = surface.at.spawn_ray(sample.wi);
     // the light's own rounding error is relative to its distance
     shadow_ray.t_max = sample.distance * (1.0 - 4.0 * f32::EPSILON);
     if scene.lights.occluded(&shadow_ray, index) {

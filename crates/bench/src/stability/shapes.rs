@@ -1,15 +1,16 @@
-//! Closed meshes, rays and random numbers for the tests.
+//! Meshes and rays.
 
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use umber_bvh::{Child, Instance, InstanceBvh, MeshBvh};
-use umber_math::{DAffine3, Point3, Ray, Vec3, Vector3};
+use umber_math::{Bounds3, DAffine3, Point3, Ray, Vec3, Vector3};
 
 /// Points and triangles.
 #[derive(Clone, Default)]
 pub struct Mesh {
+    /// Points.
     pub points: Vec<Point3>,
+    /// Points of each triangle, counter-clockwise from outside where it is closed.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -23,53 +24,25 @@ impl Mesh {
     pub fn corners(&self, triangle: usize) -> [Point3; 3] {
         self.triangles[triangle].map(|i| self.points[i as usize])
     }
+    /// The box around its points.
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::of_points(self.points.iter().copied())
+    }
     /// Its hierarchy, placed by the identity.
     pub fn scene(&self) -> InstanceBvh {
-        self.placed(DAffine3::IDENTITY)
-    }
-    /// Its hierarchy, placed by a transform.
-    pub fn placed(&self, parent_from_child: DAffine3) -> InstanceBvh {
         let bvh = Arc::new(MeshBvh::build(&self.points, &self.triangles));
-        InstanceBvh::build(vec![Instance { child: Child::Mesh { bvh, mesh: 0 }, parent_from_child, tag: 0 }])
+        let child = Child::Mesh { bvh, mesh: 0 };
+        InstanceBvh::build(vec![Instance { child, parent_from_child: DAffine3::IDENTITY, tag: 0 }])
     }
-}
-
-/// A small generator (Marsaglia 2003, "Xorshift RNGs").
-pub struct Random(pub u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-    /// From 0 to 1, without 1.
-    pub fn float(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u64 << 24) as f32
-    }
-    /// From 0 to `n`, without `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() >> 16) as usize % n
-    }
-    /// From −1 to 1 in each axis.
-    pub fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.float(), self.float(), self.float()) * 2.0 - 1.0
-    }
-    /// A unit vector, uniform over the sphere.
-    pub fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.cube();
-            if (1e-3..=1.0).contains(&v.length()) {
-                return v.normalize();
+    /// Each triangle's vertices in the order that faces away from a point inside.
+    fn outwards(mut self) -> Self {
+        for triangle in &mut self.triangles {
+            let [a, b, c] = triangle.map(|i| self.points[i as usize].0);
+            if (b - a).cross(c - a).dot(a) < 0.0 {
+                triangle.swap(1, 2);
             }
         }
-    }
-    /// A point of a triangle; on an edge or a corner where `at_edge`.
-    pub fn point_of(&mut self, [a, b, c]: [Point3; 3], at_edge: bool) -> Vec3 {
-        let (u, v) = (self.float(), if at_edge { 0.0 } else { self.float() });
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        a.0 + (b.0 - a.0) * u + (c.0 - a.0) * v
+        self
     }
 }
 
@@ -102,7 +75,7 @@ pub fn icosphere(levels: u32) -> Mesh {
         }
         triangles = split;
     }
-    Mesh { points: points.into_iter().map(Point3).collect(), triangles }
+    Mesh { points: points.into_iter().map(Point3).collect(), triangles }.outwards()
 }
 
 /// A closed box of half-width one, each side two triangles.
@@ -112,7 +85,7 @@ pub fn cube() -> Mesh {
     for [a, b, c, d] in [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]] {
         mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
-    mesh
+    mesh.outwards()
 }
 
 /// A ray from a point towards another, which lies at `t` = 1.
