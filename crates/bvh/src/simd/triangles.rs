@@ -130,7 +130,8 @@ impl<S: Isa> Visitor for MeshAny<'_, S> {
     #[inline(always)]
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
         // SAFETY: as for the closest hit.
-        let masks = unsafe { kernel::triangles::<S>(self.mesh.rows(start), count, self.ray, self.limit, &mut self.hits) };
+        let masks =
+            unsafe { kernel::triangles::<S>(self.mesh.rows(start), count, self.ray, self.limit, &mut self.hits) };
         if masks.hit | masks.near | masks.again == 0 {
             return false;
         }

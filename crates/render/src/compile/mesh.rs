@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use umber_bvh::MeshBvh;
 use umber_geometry::{
-    Attribute, AttributeValue, Interpolation, MeshProblem, Primvar, PrimvarValues, SubdivisionScheme, smooth_normals, triangulate,
+    Attribute, AttributeValue, Interpolation, MeshProblem, Primvar, PrimvarValues, SubdivisionScheme, smooth_normals,
+    triangulate,
 };
 use umber_math::{Point3, Vec2, Vec3};
 use umber_scene::Mesh;
