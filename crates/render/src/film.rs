@@ -1,12 +1,21 @@
 //! The film: what the samples add up to, tile by tile, readable while it is written.
 
+mod pixel;
+
 use std::sync::{Mutex, MutexGuard};
 
 use crate::aov::{Accumulation, Aov};
 use crate::format::{BufferFormat, Pixel};
 
+pub(crate) use pixel::{CenterHit, PixelSum};
+use pixel::{decode, encode};
+
 /// Edge of a tile, pixels.
 pub const TILE: usize = 16;
+/// Strides, pixels, of the coarse grids that are sampled before every pixel is; each divides the tile's edge.
+pub(crate) const COARSE: [usize; 3] = [8, 4, 2];
+/// Edge, in tiles, of the blocks that are rendered one after the other.
+const BLOCK: usize = 4;
 
 /// Size and content of the picture, and which part of the camera's view it shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,58 +68,13 @@ impl FilmDesc {
     }
 }
 
-/// What all samples of a pixel add up to.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PixelSum {
-    /// Sum of radiance and coverage.
-    pub color: [f32; 4],
-    /// Sum of squared luminance.
-    pub luminance_squared: f32,
-    /// How many samples.
-    pub samples: u32,
-}
-
-impl PixelSum {
-    /// Adds a sample.
-    pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32) {
-        for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {
-            *sum += v;
-        }
-        let y = rgb.luminance();
-        self.luminance_squared += y * y;
-        self.samples += 1;
-    }
-
-    fn mean(&self, clear: [f32; 4]) -> [f32; 4] {
-        if self.samples == 0 {
-            return clear;
-        }
-        let mean = self.color.map(|c| c / self.samples as f32);
-        let behind = 1.0 - mean[3];
-        std::array::from_fn(|i| mean[i] + behind * clear[i])
-    }
-}
-
-/// What is seen through the middle of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CenterHit {
-    pub depth: f32,
-    pub camera_depth: f32,
-    pub normal: [f32; 3],
-    pub neye: [f32; 3],
-    pub prim_id: i32,
-    pub instance_id: i32,
-    pub element_id: i32,
-    pub st: [f32; 2],
-}
-
 /// Pixels of one tile, row by row.
 #[derive(Debug)]
 pub(crate) struct Tile {
     /// First column and row, and how many of them.
     pub rect: TileRect,
-    /// One sum a pixel.
-    pub sums: Vec<PixelSum>,
+    /// One sum a pixel, in two halves that share no sample; a half is empty until it has samples.
+    pub halves: [Vec<PixelSum>; 2],
     /// Values of the AOVs seen through pixel middles, in the order of the film's description, as
     /// floats or bits of integers; empty until they are known.
     centers: Vec<Vec<[u32; 3]>>,
@@ -120,6 +84,19 @@ impl Tile {
     /// Whether what is seen through pixel middles is known.
     pub fn has_centers(&self) -> bool {
         !self.centers.is_empty()
+    }
+    /// The sums of both halves of pixel `i`.
+    pub fn sums(&self, i: usize) -> [PixelSum; 2] {
+        self.halves.each_ref().map(|half| half.get(i).copied().unwrap_or_default())
+    }
+    /// Colour of pixel `i` over `clear`. A pixel that has no sample shows the nearest one below and to
+    /// the left that a coarser grid of first samples took.
+    fn color(&self, i: usize, clear: [f32; 4]) -> [f32; 4] {
+        let (x, y) = (i % self.rect.width, i / self.rect.width);
+        let at = |stride: usize| pixel::mean(self.sums(y / stride * stride * self.rect.width + x / stride * stride));
+        let Some(mean) = at(1).or_else(|| COARSE.iter().rev().find_map(|stride| at(*stride))) else { return clear };
+        let behind = 1.0 - mean[3];
+        std::array::from_fn(|i| mean[i] + behind * clear[i])
     }
 }
 
@@ -151,8 +128,7 @@ impl Film {
         let tile = |i: usize| {
             let (x, y) = (i % columns * TILE, i / columns * TILE);
             let rect = TileRect { x, y, width: TILE.min(desc.width - x), height: TILE.min(desc.height - y) };
-            let sums = vec![PixelSum::default(); rect.width * rect.height];
-            Mutex::new(Tile { rect, sums, centers: Vec::new() })
+            Mutex::new(Tile { rect, halves: [Vec::new(), Vec::new()], centers: Vec::new() })
         };
         let tiles = (0..columns * rows).map(tile).collect();
         Self { desc, centers, columns, tiles }
@@ -178,29 +154,30 @@ impl Film {
         self.tile(index).centers = planes.collect();
     }
 
-    /// Bytes it takes.
-    pub fn memory_bytes(&self) -> usize {
+    /// Bytes it takes once every pixel has samples, in `halves` halves.
+    pub fn memory_bytes(&self, halves: usize) -> usize {
         let pixels = self.desc.width * self.desc.height;
-        pixels * (size_of::<PixelSum>() + self.centers.len() * size_of::<[u32; 3]>())
+        pixels * (halves * size_of::<PixelSum>() + self.centers.len() * size_of::<[u32; 3]>())
     }
 
-    /// Mean over the pixels of the variance of a pixel's mean luminance, relative to the squared
-    /// luminance of the pixel or, where that is more, of 1 % of the picture's mean.
-    pub fn mean_relative_variance(&self) -> f64 {
-        let tiles = 0..self.tiles.len();
-        let luminance = |s: &PixelSum| {
-            let n = s.samples.max(1) as f32;
-            f64::from(umber_math::Rgb::new(s.color[0], s.color[1], s.color[2]).luminance() / n)
+    /// Mean over the pixels of the variance of a pixel's luminance, as the difference of its halves shows
+    /// it, relative to its squared luminance or, where that is more, to 1 % of the picture's mean. `None`
+    /// where the pixels have no two halves.
+    pub fn mean_relative_variance(&self) -> Option<f64> {
+        let tiles = || (0..self.tiles.len()).map(|t| self.tile(t));
+        if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(Vec::is_empty)) {
+            return None;
+        }
+        let halves = |tile: &Tile, i: usize| tile.sums(i).map(|half| half.luminance());
+        let over = |value: &dyn Fn([f64; 2]) -> f64| {
+            let of_tile = |tile: MutexGuard<'_, Tile>| -> f64 {
+                (0..tile.rect.width * tile.rect.height).map(|i| value(halves(&tile, i))).sum()
+            };
+            tiles().map(of_tile).sum::<f64>() / (self.desc.width * self.desc.height) as f64
         };
-        let pixels = (self.desc.width * self.desc.height).max(1) as f64;
-        let mean = tiles.clone().map(|t| self.tile(t).sums.iter().map(luminance).sum::<f64>()).sum::<f64>() / pixels;
+        let mean = over(&|[a, b]| 0.5 * (a + b));
         let floor = (0.01 * mean).powi(2).max(f64::MIN_POSITIVE);
-        let variance = |s: &PixelSum| {
-            let (y, n) = (luminance(s), f64::from(s.samples));
-            let spread = (f64::from(s.luminance_squared) / n - y * y).max(0.0);
-            spread / (n - 1.0).max(1.0) / (y * y).max(floor)
-        };
-        tiles.map(|t| self.tile(t).sums.iter().map(variance).sum::<f64>()).sum::<f64>() / pixels
+        Some(over(&|[a, b]| (0.5 * (a - b)).powi(2) / (0.5 * (a + b)).powi(2).max(floor)))
     }
 
     /// Writes an AOV into `out`: row after row from the lowest, `width · height` pixels of `format`.
@@ -213,12 +190,12 @@ impl Film {
         let plane = self.centers.iter().position(|a| *a == aov);
         for index in 0..self.tiles.len() {
             let tile = self.tile(index);
-            for i in 0..tile.sums.len() {
+            for i in 0..tile.rect.width * tile.rect.height {
                 let (x, y) = (tile.rect.x + i % tile.rect.width, tile.rect.y + i / tile.rect.width);
                 let at = (y * self.desc.width + x) * bytes;
                 let pixel = match plane {
                     Some(plane) => decode(aov, tile.centers.get(plane).map(|p| p[i])),
-                    None => Pixel::Float(tile.sums[i].mean(self.desc.clear_color), 4),
+                    None => Pixel::Float(tile.color(i, self.desc.clear_color), 4),
                 };
                 format.write(pixel, &mut out[at..at + bytes]);
             }
@@ -226,44 +203,21 @@ impl Film {
         true
     }
 
-    /// Tile indices in the order in which they are rendered: from the middle outwards.
+    /// Tile indices in the order in which they are rendered: blocks of tiles from the middle outwards,
+    /// within a block along a Morton curve, so that what one tile brought into the caches serves the next.
     pub(crate) fn tile_order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.tiles.len()).collect();
         let rows = self.tiles.len() / self.columns.max(1);
-        let distance = |i: &usize| {
-            let (dx, dy) = ((2 * (i % self.columns)).abs_diff(self.columns), (2 * (i / self.columns)).abs_diff(rows));
-            dx * dx + dy * dy
+        let key = |i: &usize| {
+            let (x, y) = (i % self.columns, i / self.columns);
+            let middle = |at: usize, count: usize| (2 * (at / BLOCK * BLOCK) + BLOCK).abs_diff(count);
+            let (dx, dy) = (middle(x, self.columns), middle(y, rows));
+            let morton = (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
+            (dx * dx + dy * dy, y / BLOCK, x / BLOCK, morton)
         };
-        order.sort_by_key(distance);
+        order.sort_by_key(key);
         order
     }
-}
-
-fn encode(aov: Aov, hit: Option<&CenterHit>) -> [u32; 3] {
-    let Some(hit) = hit else {
-        let clear = aov.row().clear;
-        return [if aov.row().format.is_integer() { (clear as i32) as u32 } else { clear.to_bits() }; 3];
-    };
-    match aov {
-        Aov::Color | Aov::Depth => [hit.depth.to_bits(); 3],
-        Aov::CameraDepth => [hit.camera_depth.to_bits(); 3],
-        Aov::Normal => hit.normal.map(f32::to_bits),
-        Aov::Neye => hit.neye.map(f32::to_bits),
-        Aov::PrimId => [hit.prim_id as u32; 3],
-        Aov::InstanceId => [hit.instance_id as u32; 3],
-        Aov::ElementId => [hit.element_id as u32; 3],
-        Aov::St => [hit.st[0].to_bits(), hit.st[1].to_bits(), 0],
-    }
-}
-
-fn decode(aov: Aov, bits: Option<[u32; 3]>) -> Pixel {
-    let bits = bits.unwrap_or_else(|| encode(aov, None));
-    let row = aov.row();
-    if row.format.is_integer() {
-        return Pixel::Int(bits[0] as i32);
-    }
-    let [a, b, c] = bits.map(f32::from_bits);
-    Pixel::Float([a, b, c, 1.0], row.format.components())
 }
 
 #[cfg(test)]
@@ -279,8 +233,9 @@ mod tests {
         {
             let mut tile = film.tile(1);
             assert_eq!(tile.rect, TileRect { x: 16, y: 0, width: 4, height: 3 });
-            tile.sums[4].add(Rgb::new(1.0, 0.0, 0.0), 1.0);
-            tile.sums[4].add(Rgb::BLACK, 0.0);
+            tile.halves[0] = vec![PixelSum::default(); 12];
+            tile.halves[0][4].add(Rgb::new(1.0, 0.0, 0.0), 1.0);
+            tile.halves[0][4].add(Rgb::BLACK, 0.0);
         }
         let mut out = vec![0u8; 20 * 3 * 16];
         assert!(film.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
@@ -290,5 +245,39 @@ mod tests {
         assert!(film.resolve(Aov::PrimId, BufferFormat::Int32, &mut ids));
         assert!(bytemuck::cast_slice::<u8, i32>(&ids).iter().all(|id| *id == -1));
         assert!(!film.resolve(Aov::Depth, BufferFormat::Float32, &mut ids));
+    }
+    #[test]
+    fn pixels_without_samples_show_the_coarse_grid() {
+        let film = Film::new(FilmDesc::new(16, 16, &[Aov::Color]));
+        {
+            let mut tile = film.tile(0);
+            tile.halves[0] = vec![PixelSum::default(); 256];
+            for (x, y, v) in [(0, 0, 1.0), (8, 0, 2.0), (0, 8, 3.0), (8, 8, 4.0), (12, 8, 5.0)] {
+                tile.halves[0][y * 16 + x].add(Rgb::splat(v), 1.0);
+            }
+        }
+        let tile = film.tile(0);
+        let at = |x: usize, y: usize| tile.color(y * 16 + x, [0.0; 4])[0];
+        assert_eq!([at(7, 7), at(9, 3), at(2, 15), at(11, 9), at(15, 11)], [1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn halves_count_the_same() {
+        let mut halves = [PixelSum::default(); 2];
+        assert_eq!(pixel::mean(halves), None);
+        halves[0].add(Rgb::splat(1.0), 1.0);
+        assert_eq!(pixel::mean(halves), Some([1.0; 4]));
+        for _ in 0..3 {
+            halves[1].add(Rgb::splat(2.0), 1.0);
+        }
+        assert_eq!(pixel::mean(halves), Some([1.5, 1.5, 1.5, 1.0]));
+    }
+
+    #[test]
+    fn every_tile_is_rendered_once() {
+        let film = Film::new(FilmDesc::new(333, 130, &[Aov::Color]));
+        let mut order = film.tile_order();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..film.tile_count()));
     }
 }

@@ -1,20 +1,18 @@
 //! Integrators: they read a frozen scene and give samples.
 
 mod center;
+pub mod dimensions;
 pub mod path;
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use umber_math::{Rgb, Vec2};
 use umber_sampling::Sampler;
 
-use crate::film::Film;
+use crate::adaptive::{self, Plan};
+use crate::film::{Film, PixelSum};
 use crate::scene::RenderScene;
-
-/// Sample dimensions of the camera; those of the path's vertices follow.
-const CAMERA_DIMENSIONS: u32 = 4;
-/// Film position within the pixel.
-const FILM_DIMENSION: u32 = 0;
 
 /// One sample of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -34,40 +32,138 @@ pub struct TileWork {
     pub samples: u64,
 }
 
-/// Renders a tile until every pixel has `target` samples. Ends early where cancelled, between samples.
+/// How far a pass brings the pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal<'a> {
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Every how many pixels, across and down, one is sampled: more than 1 for a first coarse picture.
+    pub stride: usize,
+    /// Where the pixels are to get.
+    pub target: Target<'a>,
+}
+
+/// Where the pixels are to get in the end.
+#[derive(Clone, Copy, Debug)]
+pub enum Target<'a> {
+    /// All to the same count.
+    Even,
+    /// To counts that are not known yet: all the same so far, in two halves.
+    Pilot,
+    /// To the counts of a plan.
+    Planned(&'a Plan),
+}
+
+impl Goal<'_> {
+    /// Samples of the pixel at column `x` and row `y`, in each half.
+    fn counts(&self, x: usize, y: usize) -> [u32; 2] {
+        let halves = adaptive::halves(self.samples);
+        match self.target {
+            Target::Even => [self.samples, 0],
+            Target::Pilot => halves,
+            Target::Planned(plan) => {
+                let planned = plan.counts(x, y);
+                std::array::from_fn(|half| planned[half].min(halves[half]))
+            }
+        }
+    }
+    /// Seed of the sequence of a half: halves share no sample, and are independent.
+    fn seed(&self, scene: &RenderScene, half: u32) -> u64 {
+        let stream = if matches!(self.target, Target::Even) { 0 } else { half + 1 };
+        u64::from(stream) << 32 | u64::from(scene.settings.seed)
+    }
+}
+
+/// When to end early.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<'a> {
+    /// Read before each sample.
+    pub cancel: &'a AtomicBool,
+    /// Read before each pixel.
+    pub deadline: Option<Instant>,
+}
+
+impl Stop<'_> {
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+    /// Whether the time is up.
+    pub fn late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+    /// Whether to begin nothing new.
+    pub fn now(&self) -> bool {
+        self.cancelled() || self.late()
+    }
+}
+
+/// Renders a tile until every pixel has got where `goal` says. Ends early where stopped, between samples.
 ///
 /// Each pixel adds its samples in their own order: the sums do not depend on who renders, nor on how
 /// often it was stopped.
-pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, target: u32, cancel: &AtomicBool) -> TileWork {
+pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_>, stop: &Stop<'_>) -> TileWork {
     let mut work = TileWork::default();
-    let (rect, mut sums, known) = {
+    let (rect, mut halves, known) = {
         let tile = film.tile(tile);
-        (tile.rect, tile.sums.clone(), tile.has_centers())
+        (tile.rect, tile.halves.clone(), tile.has_centers())
     };
-    if film.has_center_aovs() && !known {
-        let pixels = (0..sums.len()).map(|i| [rect.x + i % rect.width, rect.y + i / rect.width]);
-        let hits: Vec<_> = pixels.map(|pixel| center::trace(scene, pixel, &mut work.rays)).collect();
+    let pixels = rect.width * rect.height;
+    let place = |i: usize| [rect.x + i % rect.width, rect.y + i / rect.width];
+    if film.has_center_aovs() && !known && goal.stride == 1 {
+        let hits: Vec<_> = (0..pixels).map(|i| center::trace(scene, place(i), &mut work.rays)).collect();
         film.set_centers(tile, &hits);
     }
-    let data_min = film.desc().data_window_min;
-    'pixels: for (i, sum) in sums.iter_mut().enumerate() {
-        let (x, y) = (rect.x + i % rect.width, rect.y + i / rect.width);
-        // numbered within the whole view, so that a part of it shows the same noise
-        let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
-        while sum.samples < target {
-            if cancel.load(Ordering::Relaxed) {
-                break 'pixels;
+    'halves: for (half, sums) in (0..).zip(&mut halves) {
+        if goal.counts(rect.x, rect.y)[half as usize] > 0 {
+            sums.resize(pixels, PixelSum::default());
+        }
+        let seed = goal.seed(scene, half);
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let [x, y] = place(i);
+            if x % goal.stride != 0 || y % goal.stride != 0 {
+                continue;
             }
-            let mut sampler = Sampler::new(scene.settings.seed.into(), pixel, sum.samples);
-            sampler.start_dimension(FILM_DIMENSION);
-            let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + sampler.next_2d());
-            let sample = path::radiance(scene, ray, &mut sampler, &mut work.rays);
-            sum.add(finite(sample.radiance), sample.coverage);
-            work.samples += 1;
+            if stop.late() {
+                break 'halves;
+            }
+            let count = goal.counts(x, y)[half as usize];
+            while sum.samples < count {
+                if stop.cancelled() {
+                    break 'halves;
+                }
+                let sample = sample(scene, film, seed, [x, y], sum.samples, &mut work.rays);
+                sum.add(sample.radiance, sample.coverage);
+                work.samples += 1;
+            }
         }
     }
-    film.tile(tile).sums = sums;
+    film.tile(tile).halves = halves;
     work
+}
+
+/// Takes sample number `number` of the pixel at column `x` and row `y`.
+fn sample(
+    scene: &RenderScene,
+    film: &Film,
+    seed: u64,
+    [x, y]: [usize; 2],
+    number: u32,
+    rays: &mut u64,
+) -> RadianceSample {
+    let data_min = film.desc().data_window_min;
+    // numbered within the whole view, so that a part of it shows the same noise
+    let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
+    let mut sampler = Sampler::new(seed, pixel, number);
+    sampler.start_dimension(dimensions::FILM);
+    let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + sampler.next_2d());
+    let sample = path::radiance(scene, ray, &mut sampler, rays);
+    RadianceSample { radiance: clamped(finite(sample.radiance), scene.settings.firefly_clamp), ..sample }
+}
+
+/// The same hue, with no channel above `largest`; 0 is no bound.
+fn clamped(radiance: Rgb, largest: f32) -> Rgb {
+    let channel = radiance.max_channel();
+    if largest > 0.0 && channel > largest { radiance * (largest / channel) } else { radiance }
 }
 
 /// Nothing may poison a pixel: what is not a number counts as black, what is too large is cut.

@@ -2,6 +2,7 @@
 //!
 //! [`Session`] is the façade: both front ends use it and nothing else.
 
+mod adaptive;
 mod aov;
 mod camera;
 mod compile;

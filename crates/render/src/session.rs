@@ -1,6 +1,7 @@
 //! The façade that both front ends use, and nothing else: edit, start, stop, read.
 
 mod control;
+mod picture;
 mod worker;
 
 use std::sync::Arc;

@@ -9,6 +9,11 @@ pub struct Stats {
     pub samples_per_pixel: u32,
     /// Samples a pixel at which the picture is finished at the latest.
     pub target_samples_per_pixel: u32,
+    /// Samples taken, over the number of pixels: more than every pixel has where pixels get what they need.
+    pub mean_samples_per_pixel: f64,
+    /// Mean relative variance of the pixels of the finished picture, by the difference of their halves;
+    /// negative where `convergedVariance` is.
+    pub relative_variance: f64,
     /// How much of that is done, 0 to 100.
     pub percent_done: f64,
     /// Seconds spent rendering the picture, pauses left out.
@@ -47,6 +52,8 @@ impl Stats {
             ("percentDone", Value::Float(self.percent_done)),
             ("numCompletedSamples", int(self.samples_per_pixel.into())),
             ("targetSamples", int(self.target_samples_per_pixel.into())),
+            ("meanSamples", Value::Float(self.mean_samples_per_pixel)),
+            ("relativeVariance", Value::Float(self.relative_variance)),
             ("renderSeconds", Value::Float(self.render_seconds)),
             ("compileSeconds", Value::Float(self.compile_seconds)),
             ("rays", int(self.rays)),

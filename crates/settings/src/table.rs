@@ -50,7 +50,9 @@ settings! {
     converged_samples_per_pixel: u32 = 64, "convergedSamplesPerPixel", Some((1.0, 16_777_216.0)),
         "Samples Per Pixel", "Samples a pixel at which the picture is finished.";
     converged_variance: f32 = -1.0, "convergedVariance", Some((-1.0, 1.0)),
-        "Variance Threshold", "Finished earlier once the mean relative variance of the pixels is at most this; negative: never.";
+        "Variance Threshold", "Mean relative variance of the pixels at which the picture is finished earlier, with as few samples as that takes, more where the error is, without bias; negative: every pixel gets the same.";
+    time_limit: f32 = 0.0, "umber:timeLimit", Some((0.0, 31_536_000.0)),
+        "Time Limit", "Seconds of rendering after which the picture is finished as it stands; 0: no limit.";
     enable_interactive: bool = true, "enableInteractive", None,
         "Interactive", "Show every pass as soon as it is done; off: fewer, larger passes for final frames.";
     dome_light_camera_visibility: bool = true, "domeLightCameraVisibility", None,
@@ -59,6 +61,8 @@ settings! {
         "Max Bounces", "Scattering events a path may have; 0 shows emission alone, 1 direct light.";
     roulette_bounces: u32 = 3, "umber:rouletteBounces", Some((0.0, 1024.0)),
         "Russian Roulette From", "Scattering events after which dim paths may be ended at random, without bias.";
+    firefly_clamp: f32 = 0.0, "umber:fireflyClamp", Some((0.0, 1e30)),
+        "Firefly Clamp (Biased)", "Largest radiance that one sample of a pixel may have: hides bright specks, but is biased, as their light is lost; 0: off.";
     seed: u32 = 0, "umber:seed", Some((0.0, 4_294_967_295.0)),
         "Seed", "Start of the sample sequence: same seed, same picture.";
     threads: u32 = 0, "umber:threads", Some((0.0, 4096.0)),

@@ -4,20 +4,11 @@ use umber_math::{Point3, Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
 use umber_shading::{Bsdf, LobeKind};
 
-use super::{CAMERA_DIMENSIONS, RadianceSample};
+use super::RadianceSample;
+use super::dimensions::{self, Draw};
 use crate::light_set::ShapeHit;
 use crate::scene::RenderScene;
 use crate::surface::SurfaceInteraction;
-
-/// Sample dimensions of one path vertex, and which of them is for what.
-const VERTEX_DIMENSIONS: u32 = 8;
-const LIGHT_CHOICE: u32 = 0;
-const LIGHT_POINT: u32 = 1;
-const LOBE_CHOICE: u32 = 2;
-const LOBE_DIRECTION: u32 = 3;
-const ROULETTE: u32 = 4;
-/// Partly present surfaces on the way to a vertex use the dimensions from here on.
-const PRESENCE_DIMENSIONS: u32 = 1 << 16;
 
 /// How a ray's direction was found.
 #[derive(Clone, Copy)]
@@ -42,10 +33,9 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
     let mut origin = Origin::Camera;
     let mut coverage = 1.0;
     for bounce in 0..=scene.settings.max_bounces {
-        let base = CAMERA_DIMENSIONS + bounce * VERTEX_DIMENSIONS;
         let at_camera = matches!(origin, Origin::Camera);
         let chance = |pass: u32| {
-            sampler.start_dimension(PRESENCE_DIMENSIONS + (bounce << 10) + pass);
+            sampler.start_dimension(dimensions::presence(bounce, pass));
             sampler.next_1d()
         };
         let hit = if at_camera { scene.camera_hit(ray, rays, chance) } else { scene.closest_hit(ray, rays, chance) };
@@ -73,14 +63,14 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
             break;
         }
         if bsdf.has_non_delta() {
-            radiance += throughput * direct(scene, &surface, &bsdf, wo, base, sampler, rays);
+            radiance += throughput * direct(scene, &surface, &bsdf, wo, bounce, sampler, rays);
         }
-        sampler.start_dimension(base + LOBE_CHOICE);
+        sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
         let lobe = sampler.next_1d();
-        sampler.start_dimension(base + LOBE_DIRECTION);
+        sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeDirection));
         let Some(sample) = bsdf.sample(wo, lobe, sampler.next_2d()) else { break };
         throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
-        if !survives(scene, bounce, &mut throughput, base, sampler) {
+        if !survives(scene, bounce, &mut throughput, sampler) {
             break;
         }
         let diffuse_share = share(sample.f_diffuse, sample.f);
@@ -96,7 +86,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
 }
 
 /// Russian roulette by throughput.
-fn survives(scene: &RenderScene, bounce: u32, throughput: &mut Rgb, base: u32, sampler: &mut Sampler) -> bool {
+fn survives(scene: &RenderScene, bounce: u32, throughput: &mut Rgb, sampler: &mut Sampler) -> bool {
     if throughput.is_black() || !throughput.is_finite() {
         return false;
     }
@@ -104,7 +94,7 @@ fn survives(scene: &RenderScene, bounce: u32, throughput: &mut Rgb, base: u32, s
         return true;
     }
     let survival = throughput.max_channel().min(0.95);
-    sampler.start_dimension(base + ROULETTE);
+    sampler.start_dimension(dimensions::vertex(bounce, Draw::Roulette));
     if sampler.next_1d() >= survival {
         return false;
     }
@@ -170,14 +160,14 @@ fn direct(
     surface: &SurfaceInteraction,
     bsdf: &Bsdf,
     wo: Vector3,
-    base: u32,
+    bounce: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Rgb {
-    sampler.start_dimension(base + LIGHT_CHOICE);
+    sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
     let Some((index, pmf)) = scene.lights.choose(surface.at.point, sampler.next_1d()) else { return Rgb::BLACK };
     let light = &scene.lights.lights()[index as usize];
-    sampler.start_dimension(base + LIGHT_POINT);
+    sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
     let Some(sample) = light.sample(surface.at.point, sampler.next_2d()) else { return Rgb::BLACK };
     let value = bsdf.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();

@@ -1,23 +1,18 @@
-//! The render thread: compiles what is dirty, then adds samples pass by pass.
+//! The render thread: takes up jobs, compiles what is dirty, and goes on with the picture.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umber_settings::Settings;
 
 use super::control::{Job, Shared};
+use super::picture::Picture;
 use crate::compile::{Compiler, NoScene};
 use crate::film::{Film, FilmDesc};
-use crate::integrator::render_tile;
 use crate::scene::RenderScene;
 use crate::{Message, Stats};
-
-/// Samples a pixel that one pass of a final frame adds.
-const FINAL_PASS: u32 = 16;
 
 /// Takes up jobs until the session ends.
 pub(super) fn run(shared: &Shared) {
@@ -47,24 +42,11 @@ struct Worker {
     picture: Option<Picture>,
 }
 
-/// A picture under way.
-struct Picture {
-    epoch: u64,
-    scene: RenderScene,
-    film: Arc<Film>,
-    order: Vec<usize>,
-    /// Samples that every pixel has.
-    done: u32,
-    seconds: f64,
-    rays: AtomicU64,
-    samples: AtomicU64,
-}
-
 impl Worker {
     /// True where the picture is finished, false where the job was cancelled.
     fn work(&mut self, shared: &Shared, job: &Job) -> bool {
         let Some(desc) = job.desc.as_ref().filter(|desc| desc.width > 0 && desc.height > 0) else { return true };
-        if self.picture.as_ref().is_none_or(|picture| picture.epoch != job.epoch) {
+        if self.picture.as_ref().is_none_or(|picture| picture.epoch() != job.epoch) {
             match self.begin(shared, desc, job.epoch) {
                 Ok(picture) => self.picture = Some(picture),
                 Err(NoScene::Cancelled) => return false,
@@ -97,11 +79,9 @@ impl Worker {
         let compile = || compiler.compile(&store, dirty, desc, shared.cancelled(), &mut |message| shared.say(message));
         let scene = pool.install(compile)?;
         let film = Arc::new(Film::new(desc.clone()));
-        let order = film.tile_order();
         shared.show(Arc::clone(&film));
         self.describe(shared, &scene, &film, started.elapsed().as_secs_f64());
-        let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
-        Ok(Picture { epoch, scene, film, order, done: 0, seconds: 0.0, rays, samples })
+        Ok(Picture::new(epoch, scene, film))
     }
 
     /// The threads that the settings ask for.
@@ -132,68 +112,12 @@ impl Worker {
             materials: scene.materials.len() as u64,
             geometry_bytes: (shapes().map(|shape| shape.memory_bytes()).sum::<usize>() + scene.top.memory_bytes())
                 as u64,
-            film_bytes: film.memory_bytes() as u64,
+            film_bytes: film.memory_bytes(if scene.settings.converged_variance >= 0.0 { 2 } else { 1 }) as u64,
+            relative_variance: -1.0,
             built_meshes: built.meshes,
             built_top_level: built.top_level,
             ..Stats::default()
         };
         shared.update_stats(|s| *s = stats);
-    }
-}
-
-impl Picture {
-    /// Adds passes until the picture is finished (true) or the job is cancelled (false).
-    fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
-        let Settings { converged_samples_per_pixel: target, converged_variance, enable_interactive, .. } =
-            self.scene.settings;
-        while self.done < target && self.film.tile_count() > 0 {
-            let step = if enable_interactive { (self.done / 2).clamp(1, FINAL_PASS) } else { FINAL_PASS };
-            let next = (self.done + step).min(target);
-            if !self.pass(shared, pool, next) {
-                return false;
-            }
-            self.done = next;
-            if converged_variance >= 0.0
-                && self.done >= FINAL_PASS
-                && self.film.mean_relative_variance() <= f64::from(converged_variance)
-            {
-                break;
-            }
-        }
-        shared.update_stats(|s| s.percent_done = 100.0);
-        true
-    }
-
-    /// Brings every pixel to `next` samples. False where cancelled.
-    fn pass(&mut self, shared: &Shared, pool: &ThreadPool, next: u32) -> bool {
-        let started = Instant::now();
-        let cancel = shared.cancelled();
-        let pixels = (self.film.desc().width * self.film.desc().height) as f64;
-        let whole = pixels * f64::from(self.scene.settings.converged_samples_per_pixel);
-        let before = self.seconds;
-        pool.install(|| {
-            self.order.par_iter().with_max_len(1).for_each(|tile| {
-                if cancel.load(Ordering::Relaxed) {
-                    return;
-                }
-                let work = render_tile(&self.scene, &self.film, *tile, next, cancel);
-                let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
-                let samples = self.samples.fetch_add(work.samples, Ordering::Relaxed) + work.samples;
-                shared.update_stats(|s| {
-                    s.rays = s.rays.max(rays);
-                    s.percent_done = s.percent_done.max(100.0 * samples as f64 / whole);
-                    s.render_seconds = before + started.elapsed().as_secs_f64();
-                });
-            });
-        });
-        self.seconds = before + started.elapsed().as_secs_f64();
-        if cancel.load(Ordering::Relaxed) {
-            return false;
-        }
-        shared.update_stats(|s| {
-            s.samples_per_pixel = next;
-            s.render_seconds = self.seconds;
-        });
-        true
     }
 }

@@ -1,0 +1,94 @@
+//! What a pixel keeps: the sum of its samples, and what is seen through its middle.
+
+use crate::aov::Aov;
+use crate::format::Pixel;
+
+/// What all samples of a pixel, or of one half of it, add up to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PixelSum {
+    /// Sum of radiance and coverage.
+    pub color: [f32; 4],
+    /// Sum of squared luminance.
+    pub luminance_squared: f32,
+    /// How many samples.
+    pub samples: u32,
+}
+
+impl PixelSum {
+    /// Adds a sample.
+    pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32) {
+        for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {
+            *sum += v;
+        }
+        let y = rgb.luminance();
+        self.luminance_squared += y * y;
+        self.samples += 1;
+    }
+    /// Mean luminance; 0 without samples.
+    pub fn luminance(&self) -> f64 {
+        let [r, g, b, _] = self.color;
+        f64::from(umber_math::Rgb::new(r, g, b).luminance()) / f64::from(self.samples.max(1))
+    }
+    /// Variance of one sample's luminance, as the samples show it.
+    pub fn luminance_variance(&self) -> f64 {
+        let (y, n) = (self.luminance(), f64::from(self.samples.max(1)));
+        (f64::from(self.luminance_squared) / n - y * y).max(0.0) * n / (n - 1.0).max(1.0)
+    }
+    fn mean(&self) -> [f32; 4] {
+        self.color.map(|c| c / self.samples as f32)
+    }
+}
+
+/// Mean radiance and coverage of a pixel from its halves: each half counts the same, however many samples it
+/// has (see `adaptive`). `None` without samples.
+pub(super) fn mean(halves: [PixelSum; 2]) -> Option<[f32; 4]> {
+    match halves.map(|half| half.samples > 0) {
+        [true, true] => {
+            let [a, b] = halves.map(|half| half.mean());
+            Some(std::array::from_fn(|i| 0.5 * (a[i] + b[i])))
+        }
+        [true, false] => Some(halves[0].mean()),
+        [false, true] => Some(halves[1].mean()),
+        [false, false] => None,
+    }
+}
+
+/// What is seen through the middle of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CenterHit {
+    pub depth: f32,
+    pub camera_depth: f32,
+    pub normal: [f32; 3],
+    pub neye: [f32; 3],
+    pub prim_id: i32,
+    pub instance_id: i32,
+    pub element_id: i32,
+    pub st: [f32; 2],
+}
+
+pub(super) fn encode(aov: Aov, hit: Option<&CenterHit>) -> [u32; 3] {
+    let Some(hit) = hit else {
+        let clear = aov.row().clear;
+        return [if aov.row().format.is_integer() { (clear as i32) as u32 } else { clear.to_bits() }; 3];
+    };
+    match aov {
+        Aov::Color | Aov::Depth => [hit.depth.to_bits(); 3],
+        Aov::CameraDepth => [hit.camera_depth.to_bits(); 3],
+        Aov::Normal => hit.normal.map(f32::to_bits),
+        Aov::Neye => hit.neye.map(f32::to_bits),
+        Aov::PrimId => [hit.prim_id as u32; 3],
+        Aov::InstanceId => [hit.instance_id as u32; 3],
+        Aov::ElementId => [hit.element_id as u32; 3],
+        Aov::St => [hit.st[0].to_bits(), hit.st[1].to_bits(), 0],
+    }
+}
+
+pub(super) fn decode(aov: Aov, bits: Option<[u32; 3]>) -> Pixel {
+    let bits = bits.unwrap_or_else(|| encode(aov, None));
+    let row = aov.row();
+    if row.format.is_integer() {
+        return Pixel::Int(bits[0] as i32);
+    }
+    let [a, b, c] = bits.map(f32::from_bits);
+    Pixel::Float([a, b, c, 1.0], row.format.components())
+}

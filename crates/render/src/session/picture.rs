@@ -1,0 +1,165 @@
+//! A picture under way: pass by pass to its end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::ThreadPool;
+
+use super::control::Shared;
+use crate::adaptive::{self, Plan};
+use crate::film::{COARSE, Film};
+use crate::integrator::{Goal, Stop, Target, render_tile};
+use crate::scene::RenderScene;
+
+/// Samples a pixel that one pass of a final frame adds.
+const FINAL_PASS: u32 = 16;
+/// The same where pixels get different counts, and few of them all.
+const PLANNED_PASS: u32 = 64;
+
+/// What has samples, and how many.
+pub(super) struct Picture {
+    epoch: u64,
+    scene: RenderScene,
+    film: Arc<Film>,
+    order: Vec<usize>,
+    /// How many of the coarse grids are done.
+    coarse: usize,
+    /// Samples that every pixel has, or all that its plan gives it.
+    done: u32,
+    /// Samples of each pixel, once the pilot has decided about them.
+    plan: Option<Plan>,
+    seconds: f64,
+    rays: AtomicU64,
+    samples: AtomicU64,
+}
+
+/// What a pass left to be done.
+#[derive(PartialEq, Eq)]
+enum Passed {
+    Whole,
+    Cancelled,
+    TimeIsUp,
+}
+
+impl Picture {
+    /// A picture without samples.
+    pub fn new(epoch: u64, scene: RenderScene, film: Arc<Film>) -> Self {
+        let order = film.tile_order();
+        let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
+        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, seconds: 0.0, rays, samples }
+    }
+    /// The restart that it belongs to.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// Adds passes until the picture is finished (true) or the job is cancelled (false).
+    pub fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
+        while self.film.tile_count() > 0 {
+            let Some((samples, stride)) = self.next_pass() else { break };
+            match self.pass(shared, pool, samples, stride) {
+                Passed::Cancelled => return false,
+                Passed::TimeIsUp => break,
+                Passed::Whole if stride > 1 => self.coarse += 1,
+                Passed::Whole => self.done = samples,
+            }
+            if self.is_adaptive() && self.plan.is_none() && self.done == self.pilot() {
+                let started = Instant::now();
+                let settings = &self.scene.settings;
+                let (target, most) = (settings.converged_variance, settings.converged_samples_per_pixel);
+                self.plan = Some(pool.install(|| adaptive::plan(&self.film, target, most)));
+                self.seconds += started.elapsed().as_secs_f64();
+            }
+        }
+        let relative_variance = self.film.mean_relative_variance().unwrap_or(-1.0);
+        shared.update_stats(|s| {
+            s.percent_done = 100.0;
+            s.relative_variance = relative_variance;
+        });
+        true
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.scene.settings.converged_variance >= 0.0
+    }
+
+    fn pilot(&self) -> u32 {
+        adaptive::pilot(self.scene.settings.converged_samples_per_pixel)
+    }
+
+    /// Samples a pixel and stride of the next pass; `None` where the picture is finished.
+    fn next_pass(&self) -> Option<(u32, usize)> {
+        let settings = &self.scene.settings;
+        // there may be an end at any time, or somebody who watches
+        let small_steps = settings.enable_interactive || settings.time_limit > 0.0;
+        if small_steps && self.done == 0 && self.coarse < COARSE.len() {
+            return Some((1, COARSE[self.coarse]));
+        }
+        let (largest, most) = match &self.plan {
+            Some(plan) => (PLANNED_PASS, plan.bounds()[1]),
+            None if self.is_adaptive() => (FINAL_PASS, self.pilot()),
+            None => (FINAL_PASS, settings.converged_samples_per_pixel),
+        };
+        let step = if small_steps { (self.done / 2).clamp(1, largest) } else { largest };
+        (self.done < most).then(|| ((self.done + step).min(most), 1))
+    }
+
+    /// Samples that all passes together take, as far as that is known.
+    fn whole(&self) -> f64 {
+        let pixels = (self.film.desc().width * self.film.desc().height) as f64;
+        let most = pixels * f64::from(self.scene.settings.converged_samples_per_pixel);
+        self.plan.as_ref().map_or(most, |plan| plan.total() as f64)
+    }
+
+    /// Brings every pixel where it is to be after `samples` samples.
+    fn pass(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32, stride: usize) -> Passed {
+        let started = Instant::now();
+        let limit = f64::from(self.scene.settings.time_limit);
+        let left = (limit > 0.0).then(|| Duration::from_secs_f64((limit - self.seconds).max(0.0)));
+        let stop = Stop { cancel: shared.cancelled(), deadline: left.and_then(|left| started.checked_add(left)) };
+        let target = match &self.plan {
+            Some(plan) => Target::Planned(plan),
+            None if self.is_adaptive() => Target::Pilot,
+            None => Target::Even,
+        };
+        let goal = Goal { samples, stride, target };
+        let (whole, before) = (self.whole(), self.seconds);
+        // each thread takes the next tile: all work side by side, and none waits longer than for one tile
+        let next = AtomicUsize::new(0);
+        pool.broadcast(|_| {
+            while let Some(tile) = self.order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if stop.now() {
+                    return;
+                }
+                let work = render_tile(&self.scene, &self.film, *tile, &goal, &stop);
+                let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
+                let samples = self.samples.fetch_add(work.samples, Ordering::Relaxed) + work.samples;
+                let seconds = before + started.elapsed().as_secs_f64();
+                let of_time = if limit > 0.0 { seconds / limit } else { 0.0 };
+                shared.update_stats(|s| {
+                    s.rays = s.rays.max(rays);
+                    s.percent_done = s.percent_done.max(100.0 * (samples as f64 / whole).max(of_time).min(1.0));
+                    s.render_seconds = seconds;
+                });
+            }
+        });
+        self.seconds = before + started.elapsed().as_secs_f64();
+        let taken = self.samples.load(Ordering::Relaxed) as f64;
+        let pixels = (self.film.desc().width * self.film.desc().height) as f64;
+        let passed = match () {
+            () if stop.cancel.load(Ordering::Relaxed) => Passed::Cancelled,
+            () if stop.late() => Passed::TimeIsUp,
+            () => Passed::Whole,
+        };
+        let least = self.plan.as_ref().map_or(samples, |plan| plan.bounds()[0].min(samples));
+        shared.update_stats(|s| {
+            if passed == Passed::Whole && stride == 1 {
+                s.samples_per_pixel = least;
+            }
+            s.mean_samples_per_pixel = taken / pixels;
+            s.render_seconds = self.seconds;
+        });
+        passed
+    }
+}
