@@ -8,6 +8,7 @@ mod chart;
 mod embree;
 mod measure;
 mod rays;
+mod referee;
 mod report;
 mod scenes;
 mod tracer;

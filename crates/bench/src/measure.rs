@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::embree::{Device, EmbreeScene};
 use crate::{
     rays::{self, RaySet},
+    referee::Referee,
     scenes::Scene,
     tracer::{Tracer, UmberScene},
 };
@@ -44,6 +45,10 @@ pub struct Differing {
     pub only_peer: usize,
     /// Both hit, at different places.
     pub elsewhere: usize,
+    /// Of all these, how many of our answers double precision refutes.
+    pub umber_wrong: usize,
+    /// Of all these, how many of the peer's answers double precision refutes.
+    pub peer_wrong: usize,
 }
 
 /// What was found for one kind of ray.
@@ -100,7 +105,7 @@ pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
     let [one_thread, two_threads] = seconds.map(|seconds| seconds.into_iter().map(median).collect());
     let tracers: Vec<&dyn Tracer> = std::iter::once(&umber as &dyn Tracer).chain(peers.iter().map(|p| &**p)).collect();
     let sets = rays::sets(scene, &umber, effort.rays);
-    let triangles = scene.triangle_count();
+    let (triangles, referee) = (scene.triangle_count(), Referee::new(scene));
     Ok(SceneResult {
         scene: scene.name.clone(),
         triangles,
@@ -109,7 +114,7 @@ pub fn scene(scene: &Scene, effort: Effort) -> Result<SceneResult> {
         build_seconds_two_threads: two_threads,
         bytes_per_triangle: bytes.iter().map(|&b| b as f64 / triangles.max(1) as f64).collect(),
         geometry_bytes_per_triangle: scene.geometry_bytes() as f64 / triangles.max(1) as f64,
-        kinds: sets.iter().map(|set| kind(set, &tracers, effort.rounds)).collect(),
+        kinds: sets.iter().map(|set| kind(set, &tracers, &referee, effort.rounds)).collect(),
     })
 }
 
@@ -138,7 +143,7 @@ fn build(scene: &Scene, threads: usize, seconds: &mut [Vec<f64>]) -> Result<Buil
     Ok((umber, peers, bytes))
 }
 
-fn kind(set: &RaySet, tracers: &[&dyn Tracer], rounds: usize) -> KindResult {
+fn kind(set: &RaySet, tracers: &[&dyn Tracer], referee: &Referee<'_>, rounds: usize) -> KindResult {
     let mut seconds = vec![Vec::new(); tracers.len()];
     let mut hits = 0;
     for _ in 0..rounds.max(1) {
@@ -157,25 +162,36 @@ fn kind(set: &RaySet, tracers: &[&dyn Tracer], rounds: usize) -> KindResult {
         hit_share: hits as f64 / rays.max(1) as f64,
         mrays_per_second: seconds.iter().map(|s| rays as f64 / median(s.clone()) / 1e6).collect(),
         ratio: seconds.iter().map(ratio).collect(),
-        differing: tracers.iter().map(|t| differing(set, tracers[0], *t)).collect(),
+        differing: tracers.iter().map(|t| differing(set, tracers[0], *t, referee)).collect(),
     }
 }
 
-fn differing(set: &RaySet, ours: &dyn Tracer, peer: &dyn Tracer) -> Differing {
+fn differing(set: &RaySet, ours: &dyn Tracer, peer: &dyn Tracer, referee: &Referee<'_>) -> Differing {
     let mut sum = Differing::default();
     for ray in &set.rays {
-        let (a, b) = match set.any {
-            true => (ours.any(ray).then_some(0.0), peer.any(ray).then_some(0.0)),
-            false => (ours.closest(ray), peer.closest(ray)),
-        };
+        let answer = |who: &dyn Tracer| if set.any { who.any(ray).then_some(0.0) } else { who.closest(ray) };
+        let (a, b) = (answer(ours), answer(peer));
+        if same(a, b) {
+            continue;
+        }
+        let exact = referee.closest(ray).map(|t| if set.any { 0.0 } else { t as f32 });
+        sum.umber_wrong += usize::from(!same(a, exact));
+        sum.peer_wrong += usize::from(!same(b, exact));
         match (a, b) {
             (Some(_), None) => sum.only_umber += 1,
-            (None, Some(_)) => sum.only_peer += 1,
-            (Some(a), Some(b)) if (a - b).abs() > SAME_T * a.abs().max(b.abs()) => sum.elsewhere += 1,
-            _ => {}
+            (None, _) => sum.only_peer += 1,
+            _ => sum.elsewhere += 1,
         }
     }
     sum
+}
+
+/// Whether two answers tell the same.
+fn same(a: Option<f32>, b: Option<f32>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs() <= SAME_T * a.abs().max(b.abs()),
+        (a, b) => a.is_none() && b.is_none(),
+    }
 }
 
 /// Processor time of this thread: what other programs take does not count.

@@ -73,8 +73,8 @@ pub fn text(scene: &SceneResult) -> String {
         let peers = (1..PEERS.len()).map(|i| {
             let d = kind.differing[i];
             format!(
-                "; {} ratio {:.2}, hits differ {}+{}+{}",
-                PEERS[i], kind.ratio[i], d.only_umber, d.only_peer, d.elsewhere
+                "; {} ratio {:.2}, hits differ {}+{}+{} (wrong {} of ours, {} of theirs)",
+                PEERS[i], kind.ratio[i], d.only_umber, d.only_peer, d.elsewhere, d.umber_wrong, d.peer_wrong
             )
         });
         let (name, speeds, share) = (kind.kind, list(&kind.mrays_per_second, 2), 100.0 * kind.hit_share);
