@@ -25,6 +25,7 @@ from umber.stage_reader import read_camera, read_stage
 SHARED = Path(__file__).parents[3] / "shared"
 SCENES = {
     "cornell": ("scenes/cornell.usda", 256, 256),
+    "many_lights": ("scenes/many_lights.usda", 320, 180),
     "metal": ("scenes/metal.usda", 320, 180),
     "chess": ("assets/usdwg/full_assets/OpenChessSet/chess_set_cam.usda", 320, 180),
 }

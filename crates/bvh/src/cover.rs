@@ -7,6 +7,9 @@ use umber_math::Bounds3;
 
 use crate::instance::Child;
 
+/// Products with sides up to this do not overflow in single precision.
+const LARGEST: f64 = f32::MAX as f64 / 8.0;
+
 /// The boxes of what is below the root's children, in child space: turned, they hold the child more closely than its
 /// one box would.
 pub(crate) struct Cover {
@@ -27,13 +30,17 @@ impl Cover {
 
     /// A box around the transformed boxes, with a margin for the rounding of the ray that is taken into
     /// the child's space, a few units in the last place of the coordinates met there, and for that of this.
+    /// Infinite where it is too large for the products of its sides.
     pub fn placed(&self, parent_from_child: &DAffine3) -> Bounds3 {
         let rows = parent_from_child.matrix3.transpose();
         let reach = self.bounds.min.abs().max(self.bounds.max.abs()).as_dvec3();
         let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
         for (axis, row) in [rows.x_axis, rows.y_axis, rows.z_axis].into_iter().enumerate() {
-            let (a, b) = self.along(row.as_vec3());
             let spread = row.abs().dot(reach);
+            if spread > LARGEST || spread.is_nan() {
+                return Bounds3 { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+            }
+            let (a, b) = self.along(row.as_vec3());
             let (a, b) = (
                 f64::from(a) + parent_from_child.translation[axis],
                 f64::from(b) + parent_from_child.translation[axis],

@@ -102,7 +102,7 @@ impl ShearedRay {
         let spread = az.max(bz).max(cz) - az.min(bz).min(cz);
         let unsure = (DEPTH_ERROR * scale.abs()) * (depth * det.abs() + spread * (reach * reach));
         let t = if t.abs() * det.abs() <= unsure { self.plane_parameter([p0, p1, p2]) } else { t };
-        // A determinant of zero, or a vertex that is not finite, makes `t` NaN: no hit.
+        // A vertex that is not finite makes `t` NaN: no hit.
         (t > t_min && t < t_max).then_some(TriangleHit { t, barycentrics })
     }
 
@@ -146,9 +146,12 @@ fn in_double(vertices: [(f32, f32, f32); 3]) -> Option<([f32; 3], f32)> {
         return None;
     }
     let det = u + v + w;
+    // A vertex that is not a number leaves the edge across from it as it is.
+    if det == 0.0 || det.is_nan() {
+        return None;
+    }
     let (b0, b1, b2) = (u / det, v / det, w / det);
     let t = match (u == 0.0, v == 0.0, w == 0.0) {
-        _ if det == 0.0 => f64::NAN,
         (true, ..) => on_edge(b, c),
         (_, true, _) => on_edge(c, a),
         (.., true) => on_edge(a, b),
