@@ -4,6 +4,9 @@ use umber_bvh::BoundsBvh;
 use umber_math::{Bounds3, Point3, Ray, Rgb};
 use umber_shading::{Light, LightSampler};
 
+/// Up to so many shapes are tried one by one.
+const FEW: usize = 4;
+
 /// The lights and the structures over them.
 pub struct LightSet {
     lights: Vec<Light>,
@@ -70,8 +73,7 @@ impl LightSet {
             return None;
         }
         let mut nearest: Option<ShapeHit> = None;
-        self.shapes_bvh.traverse(ray, |slot, t_max| {
-            let index = self.shapes[slot as usize];
+        self.each_shape(ray, |index, t_max| {
             let light = &self.lights[index as usize];
             if camera && !light.camera_visible() {
                 return None;
@@ -93,8 +95,7 @@ impl LightSet {
             return false;
         }
         let mut occluded = false;
-        self.shapes_bvh.traverse(ray, |slot, t_max| {
-            let index = self.shapes[slot as usize];
+        self.each_shape(ray, |index, t_max| {
             if occluded || index == target {
                 return None;
             }
@@ -103,5 +104,19 @@ impl LightSet {
             occluded.then_some(ray.t_min)
         });
         occluded
+    }
+
+    /// Calls `visit` for each light whose shape a ray may meet, with the ray's end so far; what it gives becomes the
+    /// new end. A few are not worth a hierarchy.
+    #[inline]
+    fn each_shape(&self, ray: &Ray, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
+        if self.shapes.len() > FEW {
+            self.shapes_bvh.traverse(ray, |slot, t_max| visit(self.shapes[slot as usize], t_max));
+            return;
+        }
+        let mut end = ray.t_max;
+        for &index in &self.shapes {
+            end = visit(index, end).unwrap_or(end);
+        }
     }
 }

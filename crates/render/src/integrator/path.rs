@@ -32,6 +32,8 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
     let mut throughput = Rgb::WHITE;
     let mut origin = Origin::Camera;
     let mut coverage = 1.0;
+    // of the throughput after the first scattering, the largest channel
+    let mut first = 1.0;
     for bounce in 0..=scene.settings.max_bounces {
         let at_camera = matches!(origin, Origin::Camera);
         let chance = |pass: u32| {
@@ -70,7 +72,10 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeDirection));
         let Some(sample) = bsdf.sample(wo, lobe, sampler.next_2d()) else { break };
         throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
-        if !survives(scene, bounce, &mut throughput, sampler) {
+        if bounce == 0 {
+            first = throughput.max_channel();
+        }
+        if !survives(scene, bounce, first, &mut throughput, sampler) {
             break;
         }
         let diffuse_share = share(sample.f_diffuse, sample.f);
@@ -85,15 +90,20 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
     RadianceSample { radiance, coverage }
 }
 
-/// Russian roulette by throughput.
-fn survives(scene: &RenderScene, bounce: u32, throughput: &mut Rgb, sampler: &mut Sampler) -> bool {
+/// Paths that bring less than this part of what their first scattering let through may end at random. Measured:
+/// with 1 the error times the rays is a tenth larger, with 4 about the same.
+const ROULETTE_SHARE: f32 = 0.5;
+
+/// Russian roulette by throughput, relative to that after the path's first scattering: it is errors relative to the
+/// pixel's own brightness that are to be small.
+fn survives(scene: &RenderScene, bounce: u32, first: f32, throughput: &mut Rgb, sampler: &mut Sampler) -> bool {
     if throughput.is_black() || !throughput.is_finite() {
         return false;
     }
-    if bounce < scene.settings.roulette_bounces {
+    let survival = throughput.max_channel() / (ROULETTE_SHARE * first);
+    if bounce < scene.settings.roulette_bounces || survival >= 1.0 {
         return true;
     }
-    let survival = throughput.max_channel().min(0.95);
     sampler.start_dimension(dimensions::vertex(bounce, Draw::Roulette));
     if sampler.next_1d() >= survival {
         return false;

@@ -9,9 +9,9 @@ use super::params::{Emission, LightParams, LightProblem};
 use super::spherical_rect::SphericalRect;
 use super::{LightHit, LightSample};
 
-/// Solid angles below this (steradians) are sampled by area: there the two hardly differ, and the solid angle
-/// loses its digits.
-const LEAST_SOLID_ANGLE: f64 = 1e-4;
+/// Rectangles whose squared diagonal is less than this part of their squared distance are sampled by area: there the
+/// two hardly differ, and the solid angle costs more and loses its digits.
+const SMALL: f64 = 1.0 / 6.0;
 
 /// A rectangle that emits along −Z of light space; black seen from behind.
 ///
@@ -22,6 +22,10 @@ pub struct RectLight {
     /// The corner at −X −Y, and the edges from it.
     corner: DVec3,
     edges: [DVec3; 2],
+    /// Their products with a point of the plane, relative to the corner, are its coordinates along the edges.
+    duals: [DVec3; 2],
+    center: DVec3,
+    diagonal_squared: f64,
     /// Unit edges and their lengths, where they are perpendicular.
     rectangle: Option<([DVec3; 2], [f64; 2])>,
     /// Unit, on the emitting side.
@@ -63,15 +67,18 @@ impl RectLight {
         let axes = [edges[0] / lengths[0], edges[1] / lengths[1]];
         let rectangle = (axes[0].dot(axes[1]).abs() < 1e-6).then_some((axes, lengths));
         let emission = Emission::new(p, area, 1.0, problems);
-        Ok(Self { emission, corner, edges, rectangle, normal: along / area, area })
+        let diagonal_squared = (edges[0] + edges[1]).length_squared().max((edges[0] - edges[1]).length_squared());
+        let duals = [edges[1].cross(cross), cross.cross(edges[0])].map(|d| d / (area * area));
+        let (center, normal) = (m.translation, along / area);
+        Ok(Self { emission, corner, edges, duals, center, diagonal_squared, rectangle, normal, area })
     }
     #[inline]
     fn view(&self, p: DVec3) -> View {
-        let whole = self.rectangle.and_then(|(axes, lengths)| SphericalRect::new(self.corner - p, axes, lengths));
-        match whole {
-            Some(r) if r.solid_angle >= LEAST_SOLID_ANGLE => View::SolidAngle(r),
-            _ => View::Area,
+        if self.diagonal_squared < SMALL * p.distance_squared(self.center) {
+            return View::Area;
         }
+        let whole = self.rectangle.and_then(|(axes, lengths)| SphericalRect::new(self.corner - p, axes, lengths));
+        whole.map_or(View::Area, View::SolidAngle)
     }
     #[inline]
     fn is_lit(&self, p: DVec3) -> bool {
@@ -123,11 +130,7 @@ impl RectLight {
     fn distance_along(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let t = (self.corner - origin).dot(self.normal) / direction.dot(self.normal);
         let at = origin + direction * t - self.corner;
-        // Coordinates along the edges, which may be skew.
-        let [a, b] = self.edges;
-        let across = a.cross(b);
-        let scale = 1.0 / across.length_squared();
-        let (s, r) = (at.cross(b).dot(across) * scale, a.cross(at).dot(across) * scale);
+        let [s, r] = self.duals.map(|dual| at.dot(dual));
         let inside = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&r);
         (inside && t.is_finite()).then_some(t)
     }

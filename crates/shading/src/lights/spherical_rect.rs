@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2};
 
 /// A rectangle, one corner and two perpendicular edges, as seen from a point.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,8 @@ pub(crate) struct SphericalRect {
     /// z components of the normals of the bottom and top sides' planes.
     b0: f64,
     b1: f64,
-    k: f64,
+    /// Cosine and sine of the angle from which the samples' angles are counted.
+    k: DVec2,
     pub solid_angle: f64,
 }
 
@@ -37,11 +38,14 @@ impl SphericalRect {
         // Normals of the planes through the sides and the eye; each has one zero component.
         let side = |c: f64| c / (c * c + z * z).sqrt();
         let (n_bottom, n_right, n_top, n_left) = (-side(y0), side(x1), side(y1), -side(x0));
-        let angle = |a: f64, b: f64| (-a * b).clamp(-1.0, 1.0).acos();
-        let (g0, g1) = (angle(n_bottom, n_right), angle(n_right, n_top));
-        let (g2, g3) = (angle(n_top, n_left), angle(n_left, n_bottom));
-        let k = 2.0 * PI - g2 - g3;
-        let solid_angle = g0 + g1 - k;
+        // The angles of the corners as turns of the plane: their products are the sums of the angles.
+        let corner_angle = |a: f64, b: f64| DVec2::new(-a * b, (1.0 - (a * b) * (a * b)).max(0.0).sqrt());
+        let right = corner_angle(n_bottom, n_right).rotate(corner_angle(n_right, n_top));
+        let left = corner_angle(n_top, n_left).rotate(corner_angle(n_left, n_bottom));
+        // All four angles together are a whole turn more than the solid angle.
+        let whole = right.rotate(left);
+        let turn = whole.y.atan2(whole.x);
+        let solid_angle = if turn < 0.0 { turn + 2.0 * PI } else { turn };
         let usable = z < 0.0 && solid_angle > 0.0 && solid_angle.is_finite();
         usable.then_some(Self {
             axes: [x_axis, y_axis, z_axis],
@@ -50,7 +54,7 @@ impl SphericalRect {
             z,
             b0: n_bottom,
             b1: n_top,
-            k,
+            k: DVec2::new(left.x, -left.y),
             solid_angle,
         })
     }
@@ -58,8 +62,8 @@ impl SphericalRect {
     #[inline]
     pub fn sample(&self, u: Vec2) -> DVec3 {
         let (ux, uy) = (f64::from(u.x), f64::from(u.y));
-        let au = ux * self.solid_angle + self.k;
-        let fu = (au.cos() * self.b0 - self.b1) / au.sin();
+        let au = DVec2::from_angle(ux * self.solid_angle).rotate(self.k);
+        let fu = (au.x * self.b0 - self.b1) / au.y;
         let cu = (1.0 / (fu * fu + self.b0 * self.b0).sqrt()).copysign(fu).clamp(-1.0, 1.0);
         let xu = (-(cu * self.z) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(self.x[0], self.x[1]);
         let d2 = xu * xu + self.z * self.z;
