@@ -1,4 +1,5 @@
-//! Bounding volume hierarchies: built by obvhs, laid out wide, traversed with instances.
+//! Bounding volume hierarchies: built by the surface area heuristic, made better by obvhs, laid out wide, traversed with
+//! instances.
 //!
 //! A [`MeshBvh`] holds the triangles of one mesh, an [`InstanceBvh`] places meshes and other groups
 //! by transforms, to [`MAX_DEPTH`] levels; a [`BoundsBvh`] finds other primitives by their boxes.
