@@ -113,3 +113,51 @@ fn usable<T>(read: &Read<T>, id: &LightId, warn: &mut dyn FnMut(&str, String)) -
     let failed = |error: &ImageError| warn(id.path(), format!("its texture is left out: {error}"));
     read.as_ref().map_err(failed).ok().cloned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn compiled(lights: Vec<(&str, Light)>, compiler: &mut LightCompiler) -> (LightSet, Vec<(String, String)>) {
+        let lights: BTreeMap<_, _> = lights.into_iter().map(|(path, light)| (LightId::new(path), light)).collect();
+        let mut said = Vec::new();
+        let mut warn = |path: &str, text: String| said.push((path.to_owned(), text));
+        let set = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, &mut warn);
+        (set, said)
+    }
+
+    #[test]
+    fn every_light_whose_picture_is_missing_is_named_and_shines_without() {
+        let file: PathBuf = "no/such/picture.exr".into();
+        let rect =
+            || Light { texture_file: Some(file.clone()), ..Light::new(LightKind::Rect { width: 1.0, height: 1.0 }) };
+        let texture = DomeTexture { file: file.clone(), format: DomeTextureFormat::Angular };
+        let dome = Light::new(LightKind::Dome { texture: Some(texture) });
+        let mut compiler = LightCompiler::default();
+        // Again, as after an edit: still named.
+        for _ in 0..2 {
+            let lights = vec![("/a", rect()), ("/b", rect()), ("/sky", dome.clone())];
+            let (set, said) = compiled(lights, &mut compiler);
+            assert_eq!(set.lights().len(), 3);
+            let named: Vec<&str> = said.iter().map(|(path, _)| path.as_str()).collect();
+            assert_eq!(named, ["/a", "/b", "/sky"]);
+            assert!(said.iter().all(|(_, text)| text.contains("no/such/picture.exr")), "{said:?}");
+        }
+        // A shape that shows no picture does not ask for it.
+        let disk = Light { texture_file: Some(file), ..Light::new(LightKind::Disk { radius: 1.0 }) };
+        assert!(compiled(vec![("/disk", disk)], &mut compiler).1.is_empty());
+        assert!(compiler.rects.is_empty() && compiler.domes.is_empty());
+    }
+
+    #[test]
+    fn shapes_reach_the_renderer() {
+        let cylinder = |treat_as_line| Light::new(LightKind::Cylinder { length: 4.0, radius: 0.5, treat_as_line });
+        let disk = Light::new(LightKind::Disk { radius: 2.0 });
+        let lights = vec![("/a", disk), ("/b", cylinder(false)), ("/c", cylinder(true))];
+        let (set, said) = compiled(lights, &mut LightCompiler::default());
+        assert!(said.is_empty());
+        let sizes: Vec<[f32; 3]> = set.lights().iter().map(|l| l.bounds().unwrap().size().to_array()).collect();
+        assert_eq!(sizes, [[4.0, 4.0, 0.0], [4.0, 1.0, 1.0], [4.0, 0.0, 0.0]]);
+        assert_eq!(set.lights().iter().map(|l| l.is_delta()).collect::<Vec<_>>(), [false, false, true]);
+    }
+}
