@@ -55,7 +55,8 @@ def test_shapes_of_lights(read: Read) -> None:
         def RectLight "card" { asset inputs:texture:file = @card.png@ }
         """)
     lights = scene.lights
-    assert [(lights[path].kind, lights[path].radius) for path in ("/disk", "/plainDisk")] == [("disk", 2), ("disk", 0.5)]
+    disks = lights["/disk"], lights["/plainDisk"]
+    assert [(disk.kind, disk.radius) for disk in disks] == [("disk", 2), ("disk", 0.5)]
     tube, line = lights["/tube"], lights["/line"]
     assert (tube.kind, tube.length, tube.radius, tube.treat_as_line) == ("cylinder", 3, 0.25, False)
     assert (line.kind, line.length, line.radius, line.treat_as_line) == ("cylinder", 1, 0.5, True)

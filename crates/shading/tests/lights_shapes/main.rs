@@ -2,95 +2,16 @@
 //! cases.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
-use glam::{DMat3, Vec2};
+use glam::Vec2;
 use umber_math::{DAffine3, DVec3, Normal3, Point3, Ray, Rgb};
-use umber_sampling::Sampler;
 use umber_sampling::chi2::{Chi2Options, test_sphere};
-use umber_shading::{Light, LightKind, LightParams, LightProblem, LightTexture};
+use umber_shading::{Light, LightKind, LightParams, LightProblem};
 
-fn disk(radius: f32) -> LightParams {
-    LightParams::new(LightKind::Disk { radius })
-}
-fn cylinder(length: f32, radius: f32) -> LightParams {
-    LightParams::new(LightKind::Cylinder { length, radius, treat_as_line: false })
-}
-fn line(length: f32, radius: f32) -> LightParams {
-    LightParams::new(LightKind::Cylinder { length, radius, treat_as_line: true })
-}
-fn textured(width: f32, height: f32, texture: &Arc<LightTexture>) -> LightParams {
-    LightParams { texture: Some(texture.clone()), ..LightParams::new(LightKind::Rect { width, height }) }
-}
-fn place(p: LightParams, render_from_light: DAffine3) -> LightParams {
-    LightParams { render_from_light, ..p }
-}
-fn at(x: f64, y: f64, z: f64) -> DAffine3 {
-    DAffine3::from_translation(DVec3::new(x, y, z))
-}
-fn skewed() -> DAffine3 {
-    let turned = DAffine3::from_rotation_x(0.7) * DAffine3::from_rotation_z(1.1);
-    let shear = DMat3::from_cols(DVec3::new(1.5, 0.2, 0.0), DVec3::new(0.6, 0.7, 0.1), DVec3::new(-0.2, 0.3, 1.2));
-    turned * DAffine3::from_mat3(shear)
-}
-fn light(p: &LightParams) -> Light {
-    let (light, problems) = Light::new(p).unwrap();
-    assert_eq!(problems, []);
-    light
-}
-fn close(got: f64, want: f64, tolerance: f64) -> bool {
-    (got - want).abs() <= tolerance * want.abs()
-}
-fn picture() -> Arc<LightTexture> {
-    let mut pixels: Vec<[f32; 3]> = (0..8 * 4).map(|i| [0.1 + (i % 5) as f32 * 0.1, 0.2, 0.3]).collect();
-    pixels[8 + 2] = [30.0, 20.0, 10.0];
-    pixels[31] = [0.0; 3];
-    Arc::new(LightTexture::from_pixels(8, 4, pixels).unwrap())
-}
+use common::{UP, at, close, cylinder, disk, irradiance, light, line, picture, place, quadrature, skewed, textured};
 
-/// Irradiance (red) by light sampling, and by casting uniform rays: two independent estimates.
-fn irradiance(l: &Light, p: Point3, n: Normal3, samples: u32) -> (f64, f64) {
-    let (mut sampled, mut cast) = (0.0, 0.0);
-    for i in 0..samples {
-        let mut s = Sampler::new(3, [8, 1], i);
-        if let Some(s) = l.sample(p, s.next_2d()) {
-            sampled += f64::from(s.radiance.0.x * s.wi.dot_normal(n).max(0.0) / s.pdf_solid_angle);
-        }
-        let w = umber_sampling::warp::uniform_sphere(s.next_2d());
-        let hit = l.intersect(&Ray::new(p, w)).map_or(0.0, |hit| f64::from(hit.radiance.0.x));
-        cast += hit * f64::from(w.dot_normal(n).max(0.0)) * 4.0 * PI;
-    }
-    (sampled / f64::from(samples), cast / f64::from(samples))
-}
-
-/// Irradiance by the midpoint rule over a convex surface (u, v in [0, 1)): `point` is in light space, `outward` tells
-/// the side that emits, `radiance` what.
-fn quadrature(
-    p: &LightParams,
-    point: impl Fn(f64, f64) -> DVec3,
-    outward: impl Fn(f64, f64) -> DVec3,
-    radiance: impl Fn(f64, f64) -> f64,
-    seen_from: (DVec3, DVec3),
-) -> f64 {
-    const N: u32 = 400;
-    let (step, m) = (1.0 / f64::from(N), p.render_from_light);
-    let middle = |i: u32| (f64::from(i) + 0.5) * step;
-    let mut sum = 0.0;
-    for (u, v) in (0..N * N).map(|i| (middle(i % N), middle(i / N))) {
-        let e = 0.5 * step;
-        let at = |u, v| m.transform_point3(point(u, v));
-        let area = (at(u + e, v) - at(u - e, v)).cross(at(u, v + e) - at(u, v - e));
-        let out = m.transform_vector3(outward(u, v));
-        let area = if area.dot(out) < 0.0 { -area } else { area };
-        let to_light = at(u, v) - seen_from.0;
-        let d2 = to_light.length_squared();
-        let cosines = to_light.dot(seen_from.1).max(0.0) * (-to_light.dot(area)).max(0.0) / d2;
-        sum += radiance(u, v) * cosines / d2;
-    }
-    sum
-}
-
-const UP: Normal3 = Normal3::new(0.0, 0.0, 1.0);
+mod common;
+mod textures;
 
 #[test]
 fn irradiance_under_a_disk_is_the_analytic_one() {
@@ -262,74 +183,6 @@ fn normalize_divides_by_the_area_in_the_world() {
         let is_textured = plain.texture.is_some();
         assert!(is_textured || close(whole, PI * area, 1e-4), "{:?}: {whole}", plain.kind);
     }
-}
-
-#[test]
-fn a_texture_stands_upright_from_the_front() {
-    let [red, green, blue, white] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
-    let texture = Arc::new(LightTexture::from_pixels(2, 2, vec![red, green, blue, white]).unwrap());
-    let l = light(&textured(2.0, 4.0, &texture));
-    let seen = |x: f32, y: f32| l.intersect(&Ray::new([x, y, -3.0].into(), [0.0, 0.0, 1.0].into())).unwrap();
-    // The first pixel at +X +Y, the last at −X −Y; half a pixel around their corners the colour is theirs alone.
-    for (x, y, color) in [(0.9, 1.9, red), (-0.9, 1.9, green), (0.9, -1.9, blue), (-0.9, -1.9, white)] {
-        assert_eq!(seen(x, y).radiance, Rgb::from(color));
-    }
-    let middle = seen(0.0, 0.0).radiance.0;
-    assert!((middle - glam::Vec3::new(0.5, 0.5, 0.5)).length() < 1e-6);
-    let behind = l.intersect(&Ray::new([0.9, 1.9, 3.0].into(), [0.0, 0.0, -1.0].into())).unwrap();
-    assert!(behind.radiance.is_black() && !behind.is_front);
-    for i in 0..256 {
-        let p = Point3::new(0.4, -0.3, -1.0);
-        let s = l.sample(p, Sampler::new(5, [1, 1], i).next_2d()).unwrap();
-        let hit = l.intersect(&Ray::new(p, s.wi)).unwrap();
-        assert!((hit.radiance.0 - s.radiance.0).length() < 1e-3 && hit.is_front);
-    }
-}
-
-#[test]
-fn irradiance_of_a_textured_rectangle_is_that_of_quadrature() {
-    let texture = picture();
-    let on = |u: f64, v: f64| DVec3::new(1.0 - 2.0 * u, 0.75 - 1.5 * v, 0.0);
-    // Bilinear between pixel centres, by hand.
-    let pixel = |c: i32, r: i32| match (c.clamp(0, 7), r.clamp(0, 3)) {
-        (2, 1) => 30.0,
-        (7, 3) => 0.0,
-        (c, r) => 0.1 + f64::from((r * 8 + c) % 5) * 0.1,
-    };
-    let red = |u: f64, v: f64| {
-        let (x, y) = (u * 8.0 - 0.5, v * 4.0 - 0.5);
-        let (c, r) = (x.floor() as i32, y.floor() as i32);
-        let (fx, fy) = (x - x.floor(), y - y.floor());
-        let row = |r| pixel(c, r) * (1.0 - fx) + pixel(c + 1, r) * fx;
-        row(r) * (1.0 - fy) + row(r + 1) * fy
-    };
-    for (transform, samples) in [(at(0.2, 0.1, 0.5), 1 << 14), (at(3.0, 1.0, 40.0) * skewed(), 1 << 12)] {
-        let p = place(textured(2.0, 1.5, &texture), transform);
-        let want = quadrature(&p, on, |_, _| DVec3::NEG_Z, red, (DVec3::ZERO, DVec3::Z));
-        let (sampled, cast) = irradiance(&light(&p), Point3::ZERO, UP, samples);
-        assert!(close(sampled, want, 5e-3), "{sampled}, not {want}");
-        assert!(want < 0.1 || close(cast, want, 5e-2), "{cast}, not {want}");
-    }
-}
-
-#[test]
-fn degenerate_textures_work() {
-    let p = Point3::new(0.1, 0.2, -1.0);
-    let plain = light(&LightParams::new(LightKind::Rect { width: 2.0, height: 1.0 }));
-    let of = |pixels: Vec<[f32; 3]>| Arc::new(LightTexture::from_pixels(1, 1, pixels).unwrap());
-    let one = light(&textured(2.0, 1.0, &of(vec![[0.5; 3]])));
-    let [want, got] = [&plain, &one].map(|l| irradiance(l, p, UP, 1 << 13).0);
-    assert!(close(got, 0.5 * want, 2e-3), "{got} {want}");
-    assert!(close(f64::from(one.power_estimate(1.0)), 0.5 * f64::from(plain.power_estimate(1.0)), 1e-6));
-    for odd in [[0.0; 3], [f32::NAN, -1.0, f32::INFINITY]] {
-        let l = light(&textured(2.0, 1.0, &of(vec![odd])));
-        let s = l.sample(p, Vec2::new(0.2, 0.7)).unwrap();
-        assert!(s.radiance.is_finite() && s.radiance.0.min_element() >= 0.0 && s.pdf_solid_angle > 0.0);
-        let hit = l.intersect(&Ray::new(p, s.wi)).unwrap();
-        assert!(hit.is_front && hit.radiance.is_finite());
-    }
-    assert!(LightTexture::from_pixels(2, 2, vec![[0.0; 3]; 3]).is_err());
-    assert!(LightTexture::load("no/such/picture.png").unwrap_err().to_string().contains("no/such/picture.png"));
 }
 
 #[test]
