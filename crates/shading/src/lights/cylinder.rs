@@ -129,7 +129,7 @@ impl CylinderLight {
         let (emission, render_from_round, round_radius, flux) = lit;
         let round_from_render = render_from_round.inverse();
         let volume_ratio = round_from_render.determinant().abs();
-        if !round_from_render.is_finite() || !(volume_ratio > 0.0 && volume_ratio.is_finite()) {
+        if !(round_from_render.is_finite() && volume_ratio > 0.0 && volume_ratio.is_finite()) {
             return Err(LightProblem::SingularTransform);
         }
         let [y, z] = [render_from_round.y_axis, render_from_round.z_axis].map(|axis| axis * round_radius);
