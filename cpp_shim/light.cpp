@@ -44,6 +44,11 @@ void HdUmberLight::_SyncParameters(HdSceneDelegate *delegate)
             _light->set_text(name, HdUmberReadText(value));
         }
     }
+    // A DomeLight_1's poleAxis comes as a matrix.
+    VtValue const offset = delegate->GetLightParamValue(GetId(), HdLightTokens->domeOffset);
+    if (offset.IsHolding<GfMatrix4d>()) {
+        _light->set_dome_offset(HdUmberMatrix(offset.UncheckedGet<GfMatrix4d>()));
+    }
 }
 
 void HdUmberLight::Finalize(HdRenderParam *param)

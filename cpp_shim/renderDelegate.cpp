@@ -155,7 +155,8 @@ TfTokenVector const &HdUmberRenderDelegate::GetSupportedSprimTypes() const
         HdPrimTypeTokens->extComputation, HdPrimTypeTokens->material,
         HdPrimTypeTokens->camera,         HdPrimTypeTokens->distantLight,
         HdPrimTypeTokens->domeLight,      HdPrimTypeTokens->rectLight,
-        HdPrimTypeTokens->sphereLight,
+        HdPrimTypeTokens->sphereLight,    HdPrimTypeTokens->diskLight,
+        HdPrimTypeTokens->cylinderLight,
     };
     return types;
 }
@@ -217,6 +218,10 @@ HdSprim *HdUmberRenderDelegate::CreateSprim(TfToken const &typeId, SdfPath const
             sprim = light(umber::LightType::Rect);
         } else if (typeId == HdPrimTypeTokens->sphereLight) {
             sprim = light(umber::LightType::Sphere);
+        } else if (typeId == HdPrimTypeTokens->diskLight) {
+            sprim = light(umber::LightType::Disk);
+        } else if (typeId == HdPrimTypeTokens->cylinderLight) {
+            sprim = light(umber::LightType::Cylinder);
         } else {
             TF_CODING_ERROR("Umber has no Sprim type %s", typeId.GetText());
         }

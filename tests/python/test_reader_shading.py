@@ -43,13 +43,49 @@ def test_lights(read: Read) -> None:
     assert scene.lights["/sky"].texture_file == "nowhere.hdr"
 
 
+def test_shapes_of_lights(read: Read) -> None:
+    scene = read("""
+        def DiskLight "disk" { float inputs:radius = 2 }
+        def DiskLight "plainDisk" {}
+        def CylinderLight "tube" {
+            float inputs:length = 3
+            float inputs:radius = 0.25
+        }
+        def CylinderLight "line" { bool treatAsLine = 1 }
+        def RectLight "card" { asset inputs:texture:file = @card.png@ }
+        """)
+    lights = scene.lights
+    disks = lights["/disk"], lights["/plainDisk"]
+    assert [(disk.kind, disk.radius) for disk in disks] == [("disk", 2), ("disk", 0.5)]
+    tube, line = lights["/tube"], lights["/line"]
+    assert (tube.kind, tube.length, tube.radius, tube.treat_as_line) == ("cylinder", 3, 0.25, False)
+    assert (line.kind, line.length, line.radius, line.treat_as_line) == ("cylinder", 1, 0.5, True)
+    assert lights["/card"].texture_file == "card.png" and not scene.warnings
+
+
+def test_texture_formats_of_domes(read: Read) -> None:
+    formats = ("automatic", "latlong", "mirroredBall", "angular", "cubeMapVerticalCross")
+    domes = "".join(f'def DomeLight "{name}" {{ token inputs:texture:format = "{name}" }}\n' for name in formats)
+    scene = read(domes + 'def DomeLight_1 "none" {}')
+    assert {path[1:]: light.texture_format for path, light in scene.lights.items()} == {
+        **{name: name for name in formats}, "none": "automatic",
+    }  # fmt: skip
+    assert not scene.warnings
+    scene = read('def DomeLight "sky" { token inputs:texture:format = "cubist" }')
+    assert scene.lights["/sky"].texture_format == "automatic"
+    assert len(scene.warnings) == 1 and "</sky>" in scene.warnings[0] and "'cubist'" in scene.warnings[0]
+
+
 def test_other_lights_are_named_once(read: Read) -> None:
-    scene = read('def CylinderLight "tube" {}')
+    scene = read('def GeometryLight "glow" {}')
     assert not scene.lights and len(scene.warnings) == 1
-    assert "</tube>" in scene.warnings[0] and "CylinderLight" in scene.warnings[0]
+    assert "</glow>" in scene.warnings[0] and "GeometryLight" in scene.warnings[0]
 
 
-@pytest.mark.parametrize(("pole", "up", "turned"), [("scene", "Z", True), ("scene", "Y", False), ("Y", "Z", False)])
+@pytest.mark.parametrize(
+    ("pole", "up", "turned"),
+    [("scene", "Z", True), ("scene", "Y", False), ("Y", "Z", False), ("Z", "Y", True)],
+)
 def test_dome_light_1_stands_on_its_pole(read: Read, pole: str, up: str, turned: bool) -> None:
     scene = read(f'(\n upAxis = "{up}"\n)\ndef DomeLight_1 "sky" {{ uniform token poleAxis = "{pole}" }}')
     assert np.allclose(scene.lights["/sky"].transform[1, :3], (0, 0, 1) if turned else (0, 1, 0))

@@ -121,6 +121,8 @@ pub mod ffi {
         Dome,
         Rect,
         Sphere,
+        Disk,
+        Cylinder,
     }
 
     /// HdInterpolation.
@@ -205,6 +207,7 @@ pub mod ffi {
         fn light_parameters() -> Result<Vec<String>>;
         fn new_light(delegate: &Delegate, path: &str, light_type: LightType) -> Result<Box<Light>>;
         fn set_transform(self: &mut Light, matrix: &[f64; 16]) -> Result<()>;
+        fn set_dome_offset(self: &mut Light, matrix: &[f64; 16]) -> Result<()>;
         fn set_visible(self: &mut Light, visible: bool) -> Result<()>;
         /// Gives all parameters their fallbacks.
         fn reset_parameters(self: &mut Light) -> Result<()>;

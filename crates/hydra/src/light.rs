@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use umber_math::Rgb;
+use umber_math::{DAffine3, Rgb};
 use umber_render::Message;
-use umber_scene::{DomeTexture, LightId, LightKind, SceneEdit};
+use umber_scene::{DomeTexture, DomeTextureFormat, LightId, LightKind, SceneEdit};
 
 use crate::bridge::ffi;
 use crate::convert::affine;
@@ -13,7 +13,7 @@ use crate::guard::{Outcome, guard, guard_refusal};
 use crate::host::Host;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
-const PARAMETERS: [&str; 16] = [
+const PARAMETERS: [&str; 18] = [
     "color",
     "intensity",
     "exposure",
@@ -27,7 +27,9 @@ const PARAMETERS: [&str; 16] = [
     "width",
     "height",
     "radius",
+    "length",
     "treatAsPoint",
+    "treatAsLine",
     "texture:file",
     "texture:format",
 ];
@@ -41,6 +43,11 @@ pub struct Light {
     id: LightId,
     fallback: LightKind,
     light: umber_scene::Light,
+    world_from_prim: DAffine3,
+    /// `domeOffset`, which stands a DomeLight_1 on its `poleAxis`.
+    prim_from_dome: DAffine3,
+    texture_file: String,
+    texture_format: DomeTextureFormat,
     kelvin: f32,
     by_temperature: bool,
 }
@@ -55,6 +62,8 @@ fn kind(light_type: ffi::LightType) -> LightKind {
         ffi::LightType::Distant => LightKind::Distant { angle_deg: 0.53 },
         ffi::LightType::Dome => LightKind::Dome { texture: None },
         ffi::LightType::Rect => LightKind::Rect { width: 1.0, height: 1.0 },
+        ffi::LightType::Disk => LightKind::Disk { radius: 0.5 },
+        ffi::LightType::Cylinder => LightKind::Cylinder { length: 1.0, radius: 0.5, treat_as_line: false },
         _ => LightKind::Sphere { radius: 0.5, treat_as_point: false },
     }
 }
@@ -67,6 +76,10 @@ pub fn new_light(delegate: &Delegate, path: &str, light_type: ffi::LightType) ->
             id: LightId::new(path),
             light: umber_scene::Light::new(fallback.clone()),
             fallback,
+            world_from_prim: DAffine3::IDENTITY,
+            prim_from_dome: DAffine3::IDENTITY,
+            texture_file: String::new(),
+            texture_format: DomeTextureFormat::Automatic,
             kelvin: DAYLIGHT_KELVIN,
             by_temperature: false,
         })
@@ -75,7 +88,11 @@ pub fn new_light(delegate: &Delegate, path: &str, light_type: ffi::LightType) ->
 
 impl Light {
     pub fn set_transform(&mut self, matrix: &[f64; 16]) -> Outcome {
-        guard(|| self.light.world_from_light = affine(matrix))
+        guard(|| self.world_from_prim = affine(matrix))
+    }
+
+    pub fn set_dome_offset(&mut self, matrix: &[f64; 16]) -> Outcome {
+        guard(|| self.prim_from_dome = affine(matrix))
     }
 
     pub fn set_visible(&mut self, visible: bool) -> Outcome {
@@ -84,9 +101,12 @@ impl Light {
 
     pub fn reset_parameters(&mut self) -> Outcome {
         guard(|| {
-            let (world_from_light, visible) = (self.light.world_from_light, self.light.visible);
+            let visible = self.light.visible;
             let fresh = umber_scene::Light::new(self.fallback.clone());
-            self.light = umber_scene::Light { world_from_light, visible, ..fresh };
+            self.light = umber_scene::Light { visible, ..fresh };
+            self.prim_from_dome = DAffine3::IDENTITY;
+            self.texture_file.clear();
+            self.texture_format = DomeTextureFormat::Automatic;
             self.kelvin = DAYLIGHT_KELVIN;
             self.by_temperature = false;
         })
@@ -117,20 +137,37 @@ impl Light {
     }
 
     pub fn set_text(&mut self, parameter: &str, text: &str) -> Outcome {
-        guard(|| match (parameter, &mut self.light.kind) {
-            ("texture:file", LightKind::Dome { texture }) => {
-                *texture = (!text.is_empty()).then(|| DomeTexture { file: text.into() });
-            }
-            ("texture:format", LightKind::Dome { .. }) if !matches!(text, "" | "automatic" | "latlong") => {
-                let text = format!("texture format '{text}' is not supported: the texture is read as latlong");
-                self.host.say(Message::warning(Some(self.id.path()), text));
+        guard(|| match parameter {
+            "texture:file" => text.clone_into(&mut self.texture_file),
+            "texture:format" if !text.is_empty() => {
+                self.texture_format = DomeTextureFormat::from_token(text).unwrap_or_else(|| {
+                    let text = format!("there is no texture format '{text}'; it is taken as automatic");
+                    self.host.say(Message::warning(Some(self.id.path()), text));
+                    DomeTextureFormat::Automatic
+                });
             }
             _ => {}
         })
     }
 
     pub fn commit(&self) -> Outcome {
-        guard_refusal(|| self.host.edit(SceneEdit::Light(self.id.clone(), self.light.clone())))
+        guard_refusal(|| self.host.edit(SceneEdit::Light(self.id.clone(), self.described())))
+    }
+
+    /// The light, its transform and texture put together.
+    fn described(&self) -> umber_scene::Light {
+        let mut light = self.light.clone();
+        let file = (!self.texture_file.is_empty()).then(|| self.texture_file.clone().into());
+        light.world_from_light = self.world_from_prim;
+        match &mut light.kind {
+            LightKind::Dome { texture } => {
+                light.world_from_light = self.world_from_prim * self.prim_from_dome;
+                *texture = file.map(|file| DomeTexture { file, format: self.texture_format });
+            }
+            LightKind::Rect { .. } => light.texture_file = file,
+            _ => {}
+        }
+        light
     }
 
     pub fn remove(&self) -> Outcome {
@@ -145,6 +182,9 @@ fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
         (LightKind::Rect { height, .. }, "height") => *height = number,
         (LightKind::Sphere { radius, .. }, "radius") => *radius = number,
         (LightKind::Sphere { treat_as_point, .. }, "treatAsPoint") => *treat_as_point = number != 0.0,
+        (LightKind::Disk { radius } | LightKind::Cylinder { radius, .. }, "radius") => *radius = number,
+        (LightKind::Cylinder { length, .. }, "length") => *length = number,
+        (LightKind::Cylinder { treat_as_line, .. }, "treatAsLine") => *treat_as_line = number != 0.0,
         _ => {}
     }
 }
@@ -168,5 +208,58 @@ mod tests {
         light.reset_parameters().unwrap();
         assert_eq!(light.light.kind, light.fallback);
         assert!(!light.light.visible && light.light.color_temperature.is_none());
+    }
+
+    #[test]
+    fn shapes_have_their_sizes() {
+        let delegate = new_delegate().unwrap();
+        let mut disk = new_light(&delegate, "/disk", ffi::LightType::Disk).unwrap();
+        assert_eq!(disk.light.kind, LightKind::Disk { radius: 0.5 });
+        disk.set_numbers("radius", &[2.0]).unwrap();
+        disk.set_numbers("length", &[9.0]).unwrap();
+        assert_eq!(disk.light.kind, LightKind::Disk { radius: 2.0 });
+        let mut tube = new_light(&delegate, "/tube", ffi::LightType::Cylinder).unwrap();
+        assert_eq!(tube.light.kind, LightKind::Cylinder { length: 1.0, radius: 0.5, treat_as_line: false });
+        for (name, value) in [("radius", 0.25), ("length", 3.0), ("treatAsLine", 1.0)] {
+            assert!(PARAMETERS.contains(&name));
+            tube.set_numbers(name, &[value]).unwrap();
+        }
+        assert_eq!(tube.light.kind, LightKind::Cylinder { length: 3.0, radius: 0.25, treat_as_line: true });
+    }
+
+    #[test]
+    fn textures_and_their_format_reach_the_light_in_any_order() {
+        let delegate = new_delegate().unwrap();
+        let mut dome = new_light(&delegate, "/sky", ffi::LightType::Dome).unwrap();
+        dome.set_text("texture:format", "mirroredBall").unwrap();
+        assert_eq!(dome.described().kind, LightKind::Dome { texture: None });
+        dome.set_text("texture:file", "sky.exr").unwrap();
+        let texture = DomeTexture { file: "sky.exr".into(), format: DomeTextureFormat::MirroredBall };
+        assert_eq!(dome.described().kind, LightKind::Dome { texture: Some(texture.clone()) });
+        dome.set_text("texture:format", "cubist").unwrap();
+        let automatic = DomeTexture { format: DomeTextureFormat::Automatic, ..texture };
+        assert_eq!(dome.described().kind, LightKind::Dome { texture: Some(automatic) });
+        dome.reset_parameters().unwrap();
+        assert_eq!(dome.described().kind, LightKind::Dome { texture: None });
+        let mut rect = new_light(&delegate, "/rect", ffi::LightType::Rect).unwrap();
+        rect.set_text("texture:file", "card.png").unwrap();
+        assert_eq!(rect.described().texture_file, Some("card.png".into()));
+    }
+
+    #[test]
+    fn the_pole_axis_turns_the_dome_before_its_transform() {
+        let delegate = new_delegate().unwrap();
+        let mut dome = new_light(&delegate, "/sky", ffi::LightType::Dome).unwrap();
+        // Row vectors: +Y goes to +Z.
+        let z_up = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        // +X goes to +Y.
+        let turn = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        dome.set_dome_offset(&z_up).unwrap();
+        dome.set_transform(&turn).unwrap();
+        let image = |v| dome.described().world_from_light.transform_vector3(v);
+        use umber_math::DVec3;
+        assert_eq!((image(DVec3::Y), image(DVec3::Z), image(DVec3::X)), (DVec3::Z, DVec3::X, DVec3::Y));
+        dome.reset_parameters().unwrap();
+        assert_eq!(dome.described().world_from_light.transform_vector3(DVec3::Y), DVec3::NEG_X);
     }
 }

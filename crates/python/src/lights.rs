@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use umber_math::{DVec2, Rgb};
 use umber_scene::{
-    Camera, CameraId, ConformPolicy, DomeTexture, Light, LightId, LightKind, Material, MaterialId, OpacityMode,
-    PreviewSurface, Projection, SceneEdit,
+    Camera, CameraId, ConformPolicy, DomeTexture, DomeTextureFormat, Light, LightId, LightKind, Material, MaterialId,
+    OpacityMode, PreviewSurface, Projection, SceneEdit,
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
@@ -22,8 +22,11 @@ pub struct PyLight<'py> {
     width: f32,
     height: f32,
     radius: f32,
+    length: f32,
     treat_as_point: bool,
+    treat_as_line: bool,
     texture_file: Option<String>,
+    texture_format: String,
     transform: Doubles<'py>,
     color: [f32; 3],
     intensity: f32,
@@ -41,13 +44,21 @@ impl PyLight<'_> {
         let kind = match self.kind.as_str() {
             "distant" => LightKind::Distant { angle_deg: self.angle_deg },
             "dome" => {
-                LightKind::Dome { texture: self.texture_file.as_ref().map(|file| DomeTexture { file: file.into() }) }
+                let format = DomeTextureFormat::from_token(&self.texture_format)
+                    .ok_or_else(|| bad_value(format!("unknown texture format '{}'", self.texture_format)))?;
+                let texture = |file: &String| DomeTexture { file: file.into(), format };
+                LightKind::Dome { texture: self.texture_file.as_ref().map(texture) }
             }
             "rect" => LightKind::Rect { width: self.width, height: self.height },
             "sphere" => LightKind::Sphere { radius: self.radius, treat_as_point: self.treat_as_point },
+            "disk" => LightKind::Disk { radius: self.radius },
+            "cylinder" => {
+                LightKind::Cylinder { length: self.length, radius: self.radius, treat_as_line: self.treat_as_line }
+            }
             other => return Err(bad_value(format!("unknown kind of light '{other}'"))),
         };
         let light = Light {
+            texture_file: self.texture_file.as_ref().filter(|_| self.kind == "rect").map(Into::into),
             world_from_light: transform(&self.transform, "transform")?,
             color: rgb(self.color),
             intensity: self.intensity,

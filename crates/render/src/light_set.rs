@@ -79,7 +79,7 @@ impl LightSet {
                 return None;
             }
             let hit = light.intersect(&Ray { t_max, ..*ray })?;
-            if camera && hit.radiance.is_black() {
+            if camera && !hit.is_front {
                 return None;
             }
             nearest = Some(ShapeHit { light: index, radiance: hit.radiance });

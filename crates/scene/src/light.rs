@@ -4,11 +4,43 @@ use std::path::PathBuf;
 
 use umber_math::{DAffine3, Rgb};
 
-/// A dome light's picture, latitude-longitude (`inputs:texture:file`).
+/// A dome light's picture (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DomeTexture {
     /// The file, as the asset resolver found it.
     pub file: PathBuf,
+    /// How it shows the directions.
+    pub format: DomeTextureFormat,
+}
+
+/// How a dome light's picture shows the directions (`inputs:texture:format`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DomeTextureFormat {
+    /// As the file itself tells.
+    #[default]
+    Automatic,
+    /// Longitude to the right, latitude up.
+    LatLong,
+    /// A photo of a mirror ball.
+    MirroredBall,
+    /// As a mirror ball, but the distance from the middle is in proportion to the angle.
+    Angular,
+    /// A cube unfolded to an upright cross.
+    CubeMapVerticalCross,
+}
+
+impl DomeTextureFormat {
+    /// UsdLux's token; `None` for another word.
+    pub fn from_token(token: &str) -> Option<Self> {
+        Some(match token {
+            "automatic" => Self::Automatic,
+            "latlong" => Self::LatLong,
+            "mirroredBall" => Self::MirroredBall,
+            "angular" => Self::Angular,
+            "cubeMapVerticalCross" => Self::CubeMapVerticalCross,
+            _ => return None,
+        })
+    }
 }
 
 /// The shape of a light, in light space: it shines along -Z where it has a direction.
@@ -38,6 +70,20 @@ pub enum LightKind {
         /// Shine as a point of the same power, without shape.
         treat_as_point: bool,
     },
+    /// A disk around the origin, on the XY plane.
+    Disk {
+        /// Radius, light-space units.
+        radius: f32,
+    },
+    /// A cylinder around the origin, along X; its ends are dark.
+    Cylinder {
+        /// Extent along X, light-space units.
+        length: f32,
+        /// Radius, light-space units.
+        radius: f32,
+        /// Shine as a line of the same power, without shape.
+        treat_as_line: bool,
+    },
 }
 
 /// A light. Radiance is `color · intensity · 2^exposure`, over the area where `normalize` is set.
@@ -45,6 +91,8 @@ pub enum LightKind {
 pub struct Light {
     /// Shape.
     pub kind: LightKind,
+    /// `inputs:texture:file` of a rect light, as the asset resolver found it. A dome light has its own in its shape.
+    pub texture_file: Option<PathBuf>,
     /// World from light.
     pub world_from_light: DAffine3,
     /// `inputs:color`, scene-linear.
@@ -74,6 +122,7 @@ impl Light {
     pub fn new(kind: LightKind) -> Self {
         Self {
             kind,
+            texture_file: None,
             world_from_light: DAffine3::IDENTITY,
             color: Rgb::WHITE,
             intensity: 1.0,

@@ -10,13 +10,14 @@ mod image_file;
 mod lights;
 mod material;
 mod preview_surface;
+mod texels;
 
 pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
-pub use environment::EnvironmentMap;
+pub use environment::{EnvironmentMap, TextureFormat};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem, LightSample, LightSampler,
-    RectLight, SphereLight,
+    CylinderLight, DiskLight, DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem,
+    LightSample, LightSampler, LightTexture, RectLight, SphereLight,
 };
 pub use material::Material;
 pub use preview_surface::{OpacityMode, PreviewSurface};

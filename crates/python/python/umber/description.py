@@ -89,7 +89,7 @@ class Camera:
 
 @dataclass(slots=True)
 class Light:
-    """A light of UsdLux: distant, dome, rect or sphere. What its kind does not have is ignored."""
+    """A light of UsdLux: distant, dome, rect, sphere, disk or cylinder. What its kind does not have is ignored."""
 
     path: str
     kind: str
@@ -98,8 +98,11 @@ class Light:
     width: float = 1.0
     height: float = 1.0
     radius: float = 0.5
+    length: float = 1.0
     treat_as_point: bool = False
+    treat_as_line: bool = False
     texture_file: str | None = None
+    texture_format: str = "automatic"
     color: Color = (1.0, 1.0, 1.0)
     intensity: float = 1.0
     exposure: float = 0.0

@@ -5,17 +5,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use umber_math::{Bounds3, DAffine3};
-use umber_scene::{Light, LightId, LightKind};
-use umber_shading::{EnvironmentMap, LightParams};
+use umber_scene::{DomeTexture, DomeTextureFormat, Light, LightId, LightKind};
+use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, TextureFormat};
 
 use crate::light_set::LightSet;
 
-/// Keeps the pictures of dome lights.
+/// Keeps the pictures of dome and rect lights.
 #[derive(Debug, Default)]
 pub struct LightCompiler {
-    /// By file; `None` where it could not be read.
-    textures: HashMap<PathBuf, Option<Arc<EnvironmentMap>>>,
+    domes: HashMap<(PathBuf, DomeTextureFormat), Read<EnvironmentMap>>,
+    rects: HashMap<PathBuf, Read<LightTexture>>,
 }
+
+/// What came of reading a picture.
+type Read<T> = Result<Arc<T>, ImageError>;
 
 impl LightCompiler {
     /// Makes all lights that shine.
@@ -26,11 +29,11 @@ impl LightCompiler {
         scene_bounds: Bounds3,
         warn: &mut dyn FnMut(&str, String),
     ) -> LightSet {
-        let in_use = |file: &PathBuf| {
-            let is_this = |l: &Light| matches!(&l.kind, LightKind::Dome { texture: Some(t) } if t.file == *file);
-            lights.values().any(is_this)
-        };
-        self.textures.retain(|file, _| in_use(file));
+        self.domes.retain(|(file, format), _| {
+            let is_this = |t: &DomeTexture| t.file == *file && t.format == *format;
+            lights.values().any(|l| matches!(&l.kind, LightKind::Dome { texture: Some(t) } if is_this(t)))
+        });
+        self.rects.retain(|file, _| lights.values().any(|l| rect_texture(l) == Some(file)));
         let mut made = Vec::new();
         for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
             let params = self.params(id, light, render_from_world, warn);
@@ -58,13 +61,19 @@ impl LightCompiler {
             LightKind::Sphere { radius, treat_as_point } => {
                 umber_shading::LightKind::Sphere { radius: *radius, treat_as_point: *treat_as_point }
             }
+            LightKind::Disk { radius } => umber_shading::LightKind::Disk { radius: *radius },
+            LightKind::Cylinder { length, radius, treat_as_line } => {
+                umber_shading::LightKind::Cylinder { length: *length, radius: *radius, treat_as_line: *treat_as_line }
+            }
             LightKind::Dome { texture } => {
-                let texture = texture.as_ref().and_then(|t| self.texture(id, &t.file, warn));
+                let texture = texture.as_ref().and_then(|t| usable(self.dome(t), id, warn));
                 umber_shading::LightKind::Dome { texture }
             }
         };
+        let texture = rect_texture(light).and_then(|file| usable(self.rect(file), id, warn));
         LightParams {
             kind,
+            texture,
             render_from_light: render_from_world * light.world_from_light,
             color: light.color,
             intensity: light.intensity,
@@ -78,23 +87,77 @@ impl LightCompiler {
         }
     }
 
-    fn texture(
-        &mut self,
-        id: &LightId,
-        file: &PathBuf,
-        warn: &mut dyn FnMut(&str, String),
-    ) -> Option<Arc<EnvironmentMap>> {
-        if let Some(known) = self.textures.get(file) {
-            return known.clone();
-        }
-        let loaded = match EnvironmentMap::load(file) {
-            Ok(map) => Some(Arc::new(map)),
-            Err(error) => {
-                warn(id.path(), format!("its texture is left out: {error}"));
-                None
-            }
+    fn dome(&mut self, texture: &DomeTexture) -> &Read<EnvironmentMap> {
+        let format = match texture.format {
+            DomeTextureFormat::Automatic => None,
+            DomeTextureFormat::LatLong => Some(TextureFormat::LatLong),
+            DomeTextureFormat::MirroredBall => Some(TextureFormat::MirroredBall),
+            DomeTextureFormat::Angular => Some(TextureFormat::Angular),
+            DomeTextureFormat::CubeMapVerticalCross => Some(TextureFormat::CubeMapVerticalCross),
         };
-        self.textures.insert(file.clone(), loaded.clone());
-        loaded
+        let read = || EnvironmentMap::load_as(&texture.file, format).map(Arc::new);
+        self.domes.entry((texture.file.clone(), texture.format)).or_insert_with(read)
+    }
+
+    fn rect(&mut self, file: &PathBuf) -> &Read<LightTexture> {
+        self.rects.entry(file.clone()).or_insert_with(|| LightTexture::load(file).map(Arc::new))
+    }
+}
+
+fn rect_texture(light: &Light) -> Option<&PathBuf> {
+    light.texture_file.as_ref().filter(|_| matches!(light.kind, LightKind::Rect { .. }))
+}
+
+/// The picture; where there is none, the light that wants it is named.
+fn usable<T>(read: &Read<T>, id: &LightId, warn: &mut dyn FnMut(&str, String)) -> Option<Arc<T>> {
+    let failed = |error: &ImageError| warn(id.path(), format!("its texture is left out: {error}"));
+    read.as_ref().map_err(failed).ok().cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn compiled(lights: Vec<(&str, Light)>, compiler: &mut LightCompiler) -> (LightSet, Vec<(String, String)>) {
+        let lights: BTreeMap<_, _> = lights.into_iter().map(|(path, light)| (LightId::new(path), light)).collect();
+        let mut said = Vec::new();
+        let mut warn = |path: &str, text: String| said.push((path.to_owned(), text));
+        let set = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, &mut warn);
+        (set, said)
+    }
+
+    #[test]
+    fn every_light_whose_picture_is_missing_is_named_and_shines_without() {
+        let file: PathBuf = "no/such/picture.exr".into();
+        let rect =
+            || Light { texture_file: Some(file.clone()), ..Light::new(LightKind::Rect { width: 1.0, height: 1.0 }) };
+        let texture = DomeTexture { file: file.clone(), format: DomeTextureFormat::Angular };
+        let dome = Light::new(LightKind::Dome { texture: Some(texture) });
+        let mut compiler = LightCompiler::default();
+        // Again, as after an edit: still named.
+        for _ in 0..2 {
+            let lights = vec![("/a", rect()), ("/b", rect()), ("/sky", dome.clone())];
+            let (set, said) = compiled(lights, &mut compiler);
+            assert_eq!(set.lights().len(), 3);
+            let named: Vec<&str> = said.iter().map(|(path, _)| path.as_str()).collect();
+            assert_eq!(named, ["/a", "/b", "/sky"]);
+            assert!(said.iter().all(|(_, text)| text.contains("no/such/picture.exr")), "{said:?}");
+        }
+        // A shape that shows no picture does not ask for it.
+        let disk = Light { texture_file: Some(file), ..Light::new(LightKind::Disk { radius: 1.0 }) };
+        assert!(compiled(vec![("/disk", disk)], &mut compiler).1.is_empty());
+        assert!(compiler.rects.is_empty() && compiler.domes.is_empty());
+    }
+
+    #[test]
+    fn shapes_reach_the_renderer() {
+        let cylinder = |treat_as_line| Light::new(LightKind::Cylinder { length: 4.0, radius: 0.5, treat_as_line });
+        let disk = Light::new(LightKind::Disk { radius: 2.0 });
+        let lights = vec![("/a", disk), ("/b", cylinder(false)), ("/c", cylinder(true))];
+        let (set, said) = compiled(lights, &mut LightCompiler::default());
+        assert!(said.is_empty());
+        let sizes: Vec<[f32; 3]> = set.lights().iter().map(|l| l.bounds().unwrap().size().to_array()).collect();
+        assert_eq!(sizes, [[4.0, 4.0, 0.0], [4.0, 1.0, 1.0], [4.0, 0.0, 0.0]]);
+        assert_eq!(set.lights().iter().map(|l| l.is_delta()).collect::<Vec<_>>(), [false, false, true]);
     }
 }

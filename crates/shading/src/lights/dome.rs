@@ -1,4 +1,4 @@
-//! Dome light: constant, or a latitude-longitude map sampled by its luminance.
+//! Dome light: constant, or a map sampled by its luminance.
 
 use std::sync::Arc;
 

@@ -3,6 +3,8 @@
 //! Radiometry is UsdLux's (OpenUSD 25.08, `UsdLuxLightAPI`): radiance is intensity · 2^exposure · color, times
 //! the colour of the temperature, divided by the size with `normalize`.
 
+mod cylinder;
+mod disk;
 mod distant;
 mod dome;
 mod params;
@@ -10,6 +12,7 @@ mod rect;
 mod select;
 mod sphere;
 mod spherical_rect;
+mod texture;
 mod tree;
 
 use std::f32::consts::PI;
@@ -17,6 +20,8 @@ use std::f32::consts::PI;
 use glam::Vec2;
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
+pub use cylinder::CylinderLight;
+pub use disk::DiskLight;
 pub use distant::DistantLight;
 pub use dome::DomeLight;
 use params::Emission;
@@ -24,6 +29,7 @@ pub use params::{LightKind, LightParams, LightProblem};
 pub use rect::RectLight;
 pub use select::LightSampler;
 pub use sphere::SphereLight;
+pub use texture::LightTexture;
 
 /// A direction to a light.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +53,8 @@ pub struct LightHit {
     pub t: f32,
     /// Radiance towards the ray's origin; black on a side that does not emit.
     pub radiance: Rgb,
+    /// Whether it is a side that emits; also where a texture is black there.
+    pub is_front: bool,
 }
 
 /// A light.
@@ -60,6 +68,10 @@ pub enum Light {
     Rect(RectLight),
     /// A sphere or a point.
     Sphere(SphereLight),
+    /// A disk or an ellipse.
+    Disk(DiskLight),
+    /// A cylinder or a line.
+    Cylinder(CylinderLight),
 }
 
 impl Light {
@@ -79,6 +91,10 @@ impl Light {
             LightKind::Sphere { radius, treat_as_point } => {
                 Self::Sphere(SphereLight::new(desc, *radius, *treat_as_point, &mut problems)?)
             }
+            LightKind::Disk { radius } => Self::Disk(DiskLight::new(desc, *radius, &mut problems)?),
+            LightKind::Cylinder { length, radius, treat_as_line } => {
+                Self::Cylinder(CylinderLight::new(desc, *length, *radius, *treat_as_line, &mut problems)?)
+            }
         };
         Ok((light, problems))
     }
@@ -90,6 +106,8 @@ impl Light {
             Self::Dome(l) => l.sample(u),
             Self::Rect(l) => l.sample(p, u),
             Self::Sphere(l) => l.sample(p, u),
+            Self::Disk(l) => l.sample(p, u),
+            Self::Cylinder(l) => l.sample(p, u),
         }
     }
     /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights.
@@ -100,6 +118,8 @@ impl Light {
             Self::Dome(l) => l.pdf_solid_angle(wi),
             Self::Rect(l) => l.pdf_solid_angle(p, wi),
             Self::Sphere(l) => l.pdf_solid_angle(p, wi),
+            Self::Disk(l) => l.pdf_solid_angle(p, wi),
+            Self::Cylinder(l) => l.pdf_solid_angle(p, wi),
         }
     }
     /// The nearest hit with a light that has a place and a size.
@@ -109,6 +129,8 @@ impl Light {
             Self::Distant(_) | Self::Dome(_) => None,
             Self::Rect(l) => l.intersect(ray),
             Self::Sphere(l) => l.intersect(ray),
+            Self::Disk(l) => l.intersect(ray),
+            Self::Cylinder(l) => l.intersect(ray),
         }
     }
     /// Radiance that arrives along `wi`, unit, from a distant or dome light; `None` where it sends none that way.
@@ -117,7 +139,7 @@ impl Light {
         match self {
             Self::Distant(l) => l.radiance(wi),
             Self::Dome(l) => Some(l.radiance(wi)),
-            Self::Rect(_) | Self::Sphere(_) => None,
+            Self::Rect(_) | Self::Sphere(_) | Self::Disk(_) | Self::Cylinder(_) => None,
         }
     }
     /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.
@@ -128,6 +150,8 @@ impl Light {
             Self::Dome(l) => l.mean_radiance().luminance() * 4.0 * PI * disk,
             Self::Rect(l) => l.power().luminance(),
             Self::Sphere(l) => l.power().luminance(),
+            Self::Disk(l) => l.power().luminance(),
+            Self::Cylinder(l) => l.power().luminance(),
         }
     }
     /// The box around a light that has a place.
@@ -136,6 +160,16 @@ impl Light {
             Self::Distant(_) | Self::Dome(_) => None,
             Self::Rect(l) => Some(l.bounds()),
             Self::Sphere(l) => Some(l.bounds()),
+            Self::Disk(l) => Some(l.bounds()),
+            Self::Cylinder(l) => Some(l.bounds()),
+        }
+    }
+    /// The direction that a flat light faces, unit; `None` for lights that shine all around, or have no place.
+    pub(crate) fn facing(&self) -> Option<Vector3> {
+        match self {
+            Self::Rect(l) => Some(l.facing()),
+            Self::Disk(l) => Some(l.facing()),
+            Self::Distant(_) | Self::Dome(_) | Self::Sphere(_) | Self::Cylinder(_) => None,
         }
     }
     /// Whether it is infinitely far: met by rays that leave the scene.
@@ -149,7 +183,8 @@ impl Light {
         match self {
             Self::Distant(l) => l.is_delta(),
             Self::Sphere(l) => l.is_delta(),
-            Self::Dome(_) | Self::Rect(_) => false,
+            Self::Cylinder(l) => l.is_delta(),
+            Self::Dome(_) | Self::Rect(_) | Self::Disk(_) => false,
         }
     }
     /// Whether it emits nothing.
@@ -183,6 +218,8 @@ impl Light {
             Self::Dome(l) => &l.emission,
             Self::Rect(l) => &l.emission,
             Self::Sphere(l) => &l.emission,
+            Self::Disk(l) => &l.emission,
+            Self::Cylinder(l) => &l.emission,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use umber_math::blackbody::blackbody_rgb;
 use umber_math::{DAffine3, DVec3, Rgb};
 
+use super::LightTexture;
 use crate::EnvironmentMap;
 
 /// Radiance (irradiance, intensity) above this is cut: products with it stay finite in single precision.
@@ -21,7 +22,7 @@ pub enum LightKind {
     },
     /// Surrounds the scene.
     Dome {
-        /// Latitude-longitude map that multiplies the colour.
+        /// Map that multiplies the colour.
         texture: Option<Arc<EnvironmentMap>>,
     },
     /// A rectangle in the XY plane around the origin that emits along −Z.
@@ -38,6 +39,20 @@ pub enum LightKind {
         /// Shines like the sphere from afar, but from one point: no size, no soft shadow, not visible.
         treat_as_point: bool,
     },
+    /// A disk in the XY plane around the origin that emits along −Z.
+    Disk {
+        /// Its radius.
+        radius: f32,
+    },
+    /// A cylinder around the origin, along X, whose side emits outwards.
+    Cylinder {
+        /// Along X.
+        length: f32,
+        /// Its radius.
+        radius: f32,
+        /// Shines like the cylinder from afar, but from its axis: no width, not visible.
+        treat_as_line: bool,
+    },
 }
 
 /// Everything a light is made from. Attribute meanings are UsdLux's.
@@ -45,6 +60,8 @@ pub enum LightKind {
 pub struct LightParams {
     /// Shape.
     pub kind: LightKind,
+    /// Picture on a rect light; others have none.
+    pub texture: Option<Arc<LightTexture>>,
     /// From light space to render space (world space moved, not turned or scaled).
     pub render_from_light: DAffine3,
     /// Colour, scene-linear.
@@ -72,6 +89,7 @@ impl LightParams {
     pub fn new(kind: LightKind) -> Self {
         Self {
             kind,
+            texture: None,
             render_from_light: DAffine3::IDENTITY,
             color: Rgb::WHITE,
             intensity: 1.0,

@@ -1,13 +1,14 @@
 //! Rectangle light.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
 use super::params::{Emission, LightParams, LightProblem};
 use super::spherical_rect::SphericalRect;
-use super::{LightHit, LightSample};
+use super::{LightHit, LightSample, LightTexture};
 
 /// Rectangles whose squared diagonal is less than this part of their squared distance are sampled by area: there the
 /// two hardly differ, and the solid angle costs more and loses its digits.
@@ -16,6 +17,9 @@ const SMALL: f64 = 1.0 / 6.0;
 /// A rectangle that emits along −Z of light space; black seen from behind.
 ///
 /// A transform with shear makes it a parallelogram, which is sampled by area.
+///
+/// Seen from the front with +Y up, a texture stands upright: by UsdLux its first pixel lies at +X +Y, its last one at
+/// −X −Y. It takes half of the samples, by its luminance; the other half is uniform in solid angle, as without one.
 #[derive(Clone, Debug)]
 pub struct RectLight {
     pub(crate) emission: Emission,
@@ -31,6 +35,7 @@ pub struct RectLight {
     /// Unit, on the emitting side.
     normal: DVec3,
     area: f64,
+    texture: Option<Arc<LightTexture>>,
 }
 
 /// How a point sees the rectangle.
@@ -70,7 +75,8 @@ impl RectLight {
         let diagonal_squared = (edges[0] + edges[1]).length_squared().max((edges[0] - edges[1]).length_squared());
         let duals = [edges[1].cross(cross), cross.cross(edges[0])].map(|d| d / (area * area));
         let (center, normal) = (m.translation, along / area);
-        Ok(Self { emission, corner, edges, duals, center, diagonal_squared, rectangle, normal, area })
+        let texture = p.texture.clone();
+        Ok(Self { emission, corner, edges, duals, center, diagonal_squared, rectangle, normal, area, texture })
     }
     #[inline]
     fn view(&self, p: DVec3) -> View {
@@ -90,25 +96,63 @@ impl RectLight {
         if !self.is_lit(p) {
             return None;
         }
-        let (to_light, pdf) = match self.view(p) {
-            View::SolidAngle(r) => (r.sample(u), Some(1.0 / r.solid_angle)),
-            View::Area => {
-                let at = self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-                (self.corner + at - p, None)
-            }
+        let view = self.view(p);
+        let to_light = match &self.texture {
+            Some(texture) if u.x < 0.5 => self.point(texture.sample(Vec2::new(2.0 * u.x, u.y)).0) - p,
+            Some(_) => self.sample_shape(&view, p, Vec2::new(2.0 * u.x - 1.0, u.y)),
+            None => self.sample_shape(&view, p, u),
         };
         let distance = to_light.length();
         let wi = to_light / distance;
-        let pdf_solid_angle = pdf.unwrap_or_else(|| self.area_density(distance, wi)) as f32;
+        let uv = self.texture.as_ref().map(|_| self.uv(p + to_light));
+        let pdf_solid_angle = self.density(&view, distance, wi, uv) as f32;
         let sample = LightSample {
             wi: Vector3(wi.as_vec3()),
-            radiance: self.emission.radiance,
+            radiance: self.radiance(uv),
             pdf_solid_angle,
             distance: distance as f32,
             is_delta: false,
         };
         let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
         (distance > 0.0 && is_usable).then_some(sample)
+    }
+    /// To a point of the shape, uniform in solid angle or by area.
+    #[inline]
+    fn sample_shape(&self, view: &View, p: DVec3, u: Vec2) -> DVec3 {
+        match view {
+            View::SolidAngle(r) => r.sample(u),
+            View::Area => {
+                let at = self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
+                self.corner + at - p
+            }
+        }
+    }
+    /// Density by solid angle with which a place, in the texture's coordinates where there is one, is sampled.
+    #[inline]
+    fn density(&self, view: &View, distance: f64, wi: DVec3, uv: Option<Vec2>) -> f64 {
+        let of_shape = match view {
+            View::SolidAngle(r) => 1.0 / r.solid_angle,
+            View::Area => self.area_density(distance, wi),
+        };
+        match (&self.texture, uv) {
+            (Some(texture), Some(uv)) => {
+                0.5 * (of_shape + f64::from(texture.pdf(uv)) * self.area_density(distance, wi))
+            }
+            (Some(_), None) => 0.5 * of_shape,
+            (None, _) => of_shape,
+        }
+    }
+    #[inline]
+    fn radiance(&self, uv: Option<Vec2>) -> Rgb {
+        match (&self.texture, uv) {
+            (Some(texture), Some(uv)) => self.emission.radiance * texture.at(uv),
+            _ => self.emission.radiance,
+        }
+    }
+    /// The point that shows a place of the texture.
+    #[inline]
+    fn point(&self, uv: Vec2) -> DVec3 {
+        self.corner + self.edges[0] * f64::from(1.0 - uv.x) + self.edges[1] * f64::from(1.0 - uv.y)
     }
     /// Density by solid angle of a point that is uniform by area.
     #[inline]
@@ -118,28 +162,37 @@ impl RectLight {
     #[inline]
     pub(crate) fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
         let (p, wi) = (p.0.as_dvec3(), wi.0.as_dvec3());
-        let Some(t) = self.distance_along(p, wi).filter(|&t| t > 0.0 && self.is_lit(p)) else { return 0.0 };
-        let pdf = match self.view(p) {
-            View::SolidAngle(r) => 1.0 / r.solid_angle,
-            View::Area => self.area_density(t, wi),
-        } as f32;
+        let Some((t, uv)) = self.meets(p, wi).filter(|&(t, _)| t > 0.0 && self.is_lit(p)) else { return 0.0 };
+        let pdf = self.density(&self.view(p), t, wi, Some(uv)) as f32;
         if pdf.is_finite() { pdf } else { 0.0 }
     }
-    /// Parameter at which a ray meets the rectangle, from either side and at any sign.
+    /// Parameter at which a ray meets the rectangle, from either side and at any sign, and where in the texture.
     #[inline]
-    fn distance_along(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    fn meets(&self, origin: DVec3, direction: DVec3) -> Option<(f64, Vec2)> {
         let t = (self.corner - origin).dot(self.normal) / direction.dot(self.normal);
-        let at = origin + direction * t - self.corner;
-        let [s, r] = self.duals.map(|dual| at.dot(dual));
+        let [s, r] = self.coordinates(origin + direction * t);
         let inside = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&r);
-        (inside && t.is_finite()).then_some(t)
+        (inside && t.is_finite()).then(|| (t, Vec2::new((1.0 - s) as f32, (1.0 - r) as f32)))
+    }
+    /// Coordinates of a point of the plane along the edges, which may be skew: 0 … 1 within the shape.
+    #[inline]
+    fn coordinates(&self, point: DVec3) -> [f64; 2] {
+        let at = point - self.corner;
+        self.duals.map(|dual| at.dot(dual))
+    }
+    /// The place of the texture that a point of the shape shows.
+    #[inline]
+    fn uv(&self, point: DVec3) -> Vec2 {
+        let [s, r] = self.coordinates(point);
+        Vec2::new((1.0 - s) as f32, (1.0 - r) as f32).clamp(Vec2::ZERO, Vec2::ONE)
     }
     #[inline]
     pub(crate) fn intersect(&self, ray: &Ray) -> Option<LightHit> {
         let (o, d) = (ray.origin.0.as_dvec3(), ray.direction.0.as_dvec3());
-        let t = self.distance_along(o, d)? as f32;
-        let radiance = if d.dot(self.normal) < 0.0 { self.emission.radiance } else { Rgb::BLACK };
-        (t > ray.t_min && t < ray.t_max).then_some(LightHit { t, radiance })
+        let (t, uv) = self.meets(o, d)?;
+        let (t, is_front) = (t as f32, d.dot(self.normal) < 0.0);
+        let radiance = if is_front { self.radiance(Some(uv)) } else { Rgb::BLACK };
+        (t > ray.t_min && t < ray.t_max).then_some(LightHit { t, radiance, is_front })
     }
     pub(crate) fn bounds(&self) -> Bounds3 {
         let [a, b] = self.edges;
@@ -152,6 +205,7 @@ impl RectLight {
     }
     /// Radiant flux: π A L.
     pub(crate) fn power(&self) -> Rgb {
-        self.emission.radiance * (PI * self.area as f32)
+        let mean = self.texture.as_ref().map_or(Rgb::WHITE, |texture| texture.mean());
+        self.emission.radiance * mean * (PI * self.area as f32)
     }
 }

@@ -128,9 +128,9 @@ impl SphereLight {
         let (near, far) = (t0.min(t1), t0.max(t1));
         let within = |t: f32| t > ray.t_min && t < ray.t_max;
         if within(near) {
-            return Some(LightHit { t: near, radiance: self.emission.radiance });
+            return Some(LightHit { t: near, radiance: self.emission.radiance, is_front: true });
         }
-        within(far).then_some(LightHit { t: far, radiance: Rgb::BLACK })
+        within(far).then_some(LightHit { t: far, radiance: Rgb::BLACK, is_front: false })
     }
     pub(crate) fn bounds(&self) -> Bounds3 {
         let r = glam::Vec3::splat(self.radius);

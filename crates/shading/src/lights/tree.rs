@@ -28,7 +28,7 @@ impl Emitter {
     /// `weight`: the light's power over 4 π, relative to that of the other lights.
     pub fn new(index: u32, light: &Light, weight: f32) -> Self {
         let bounds = light.bounds().unwrap_or_default();
-        let facing = if let Light::Rect(rect) = light { Some(rect.facing().0) } else { None };
+        let facing = light.facing().map(|v| v.0);
         Self {
             light: index,
             bounds,

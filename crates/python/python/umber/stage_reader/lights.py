@@ -17,7 +17,10 @@ KINDS = {
     "DomeLight_1": "dome",
     "RectLight": "rect",
     "SphereLight": "sphere",
+    "DiskLight": "disk",
+    "CylinderLight": "cylinder",
 }
+TEXTURE_FORMATS = ("automatic", "latlong", "mirroredBall", "angular", "cubeMapVerticalCross")
 
 
 def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light]:
@@ -59,16 +62,26 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.angle_deg = number("angle", light.angle_deg)
     elif light.kind == "rect":
         light.width, light.height = number("width", light.width), number("height", light.height)
-        if _texture_file(_input(reading, prim, "texture:file", None)):
-            reading.warn(prim, "textures on rect lights are not supported yet; it shines with its colour alone")
+        light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
     elif light.kind == "sphere":
         light.radius = number("radius", light.radius)
         light.treat_as_point = bool(reading.value(prim, "treatAsPoint"))
+    elif light.kind == "disk":
+        light.radius = number("radius", light.radius)
+    elif light.kind == "cylinder":
+        light.radius, light.length = number("radius", light.radius), number("length", light.length)
+        light.treat_as_line = bool(reading.value(prim, "treatAsLine"))
     else:
         light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
-        mapping = _input(reading, prim, "texture:format", "automatic")
-        if light.texture_file and mapping not in ("automatic", "latlong"):
-            reading.warn(prim, f"texture format '{mapping}' is not supported; taken as latlong")
+        _read_texture_format(reading, prim, light)
+
+
+def _read_texture_format(reading: Reading, prim: Usd.Prim, light: Light) -> None:
+    texture_format = str(_input(reading, prim, "texture:format", "") or "automatic")
+    if texture_format in TEXTURE_FORMATS:
+        light.texture_format = texture_format
+    else:
+        reading.warn(prim, f"there is no texture format '{texture_format}'; it is taken as automatic")
 
 
 def _texture_file(asset: Sdf.AssetPath | None) -> str | None:
