@@ -6,6 +6,7 @@
 
 mod bsdf;
 mod environment;
+mod ies;
 mod image_file;
 mod lights;
 mod material;
@@ -13,10 +14,11 @@ mod preview_surface;
 
 pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
 pub use environment::EnvironmentMap;
+pub use ies::{IesError, IesProfile};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem, LightSample, LightSampler,
-    RectLight, SphereLight,
+    DistantLight, DomeLight, IesParams, Light, LightHit, LightKind, LightParams, LightProblem, LightSample,
+    LightSampler, RectLight, ShadowParams, ShadowShape, ShapingParams, SphereLight,
 };
 pub use material::Material;
 pub use preview_surface::{OpacityMode, PreviewSurface};
