@@ -104,4 +104,18 @@ impl LightSet {
         });
         occluded
     }
+
+    /// The distance along a ray to the nearest light shape other than `target`.
+    pub fn nearest_occluder(&self, ray: &Ray, target: u32) -> Option<f32> {
+        let mut nearest = None;
+        self.shapes_bvh.traverse(ray, |slot, t_max| {
+            let index = self.shapes[slot as usize];
+            if index == target {
+                return None;
+            }
+            nearest = self.lights[index as usize].intersect(&Ray { t_max, ..*ray }).map(|hit| hit.t).or(nearest);
+            nearest
+        });
+        nearest
+    }
 }

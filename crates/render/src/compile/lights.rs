@@ -6,15 +6,17 @@ use std::sync::Arc;
 
 use umber_math::{Bounds3, DAffine3};
 use umber_scene::{Light, LightId, LightKind};
-use umber_shading::{EnvironmentMap, LightParams};
+use umber_shading::{EnvironmentMap, LightParams, ShadowParams};
 
+use super::profiles::Profiles;
 use crate::light_set::LightSet;
 
-/// Keeps the pictures of dome lights.
+/// Keeps the pictures of dome lights, and IES profiles.
 #[derive(Debug, Default)]
 pub struct LightCompiler {
     /// By file; `None` where it could not be read.
     textures: HashMap<PathBuf, Option<Arc<EnvironmentMap>>>,
+    profiles: Profiles,
 }
 
 impl LightCompiler {
@@ -31,6 +33,7 @@ impl LightCompiler {
             lights.values().any(is_this)
         };
         self.textures.retain(|file, _| in_use(file));
+        self.profiles.retain_used(lights.values());
         let mut made = Vec::new();
         for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
             let params = self.params(id, light, render_from_world, warn);
@@ -75,6 +78,8 @@ impl LightCompiler {
             specular: light.specular,
             shadow_enable: light.shadow_enable,
             camera_visible: light.camera_visible,
+            shaping: self.profiles.shaping(id, &light.shaping, warn),
+            shadow: shadow(&light.shadow),
         }
     }
 
@@ -97,4 +102,9 @@ impl LightCompiler {
         self.textures.insert(file.clone(), loaded.clone());
         loaded
     }
+}
+
+fn shadow(shadow: &umber_scene::Shadow) -> ShadowParams {
+    let &umber_scene::Shadow { color, distance, falloff, falloff_gamma } = shadow;
+    ShadowParams { color, distance, falloff, falloff_gamma }
 }

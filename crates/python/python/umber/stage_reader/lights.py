@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from umber.description import Color, Light
+from umber.stage_reader.light_apis import read_light_apis
 from umber.stage_reader.placement import Space
-from umber.stage_reader.reading import Reading, matrix, single
+from umber.stage_reader.reading import Reading, asset_file, matrix, single
 
 KINDS = {
     "DistantLight": "distant",
@@ -32,6 +33,7 @@ def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light
         light = Light(reading.unique_path(prim.GetPath()), kind, matrix(own * outer))
         _read_shape(reading, prim, light)
         _read_emission(reading, prim, light)
+        read_light_apis(reading, prim, light)
         yield light
 
 
@@ -59,21 +61,16 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.angle_deg = number("angle", light.angle_deg)
     elif light.kind == "rect":
         light.width, light.height = number("width", light.width), number("height", light.height)
-        if _texture_file(_input(reading, prim, "texture:file", None)):
+        if asset_file(_input(reading, prim, "texture:file", None)):
             reading.warn(prim, "textures on rect lights are not supported yet; it shines with its colour alone")
     elif light.kind == "sphere":
         light.radius = number("radius", light.radius)
         light.treat_as_point = bool(reading.value(prim, "treatAsPoint"))
     else:
-        light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
+        light.texture_file = asset_file(_input(reading, prim, "texture:file", None))
         mapping = _input(reading, prim, "texture:format", "automatic")
         if light.texture_file and mapping not in ("automatic", "latlong"):
             reading.warn(prim, f"texture format '{mapping}' is not supported; taken as latlong")
-
-
-def _texture_file(asset: Sdf.AssetPath | None) -> str | None:
-    """The file as the resolver found it; as it was written where it found none."""
-    return (asset.resolvedPath or asset.path or None) if asset else None
 
 
 def _read_emission(reading: Reading, prim: Usd.Prim, light: Light) -> None:
