@@ -36,12 +36,7 @@ impl Profiles {
         }
     }
 
-    fn profile(
-        &mut self,
-        id: &LightId,
-        file: &PathBuf,
-        warn: &mut dyn FnMut(&str, String),
-    ) -> Option<Arc<IesProfile>> {
+    fn profile(&mut self, id: &LightId, file: &PathBuf, warn: &mut dyn FnMut(&str, String)) -> Option<Arc<IesProfile>> {
         if let Some(known) = self.files.get(file) {
             return known.clone();
         }

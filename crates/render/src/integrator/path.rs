@@ -177,8 +177,11 @@ fn direct(
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return Rgb::BLACK;
     }
-    let mis_weight_light =
-        if sample.is_delta || light.found_by_samples_alone() { 1.0 } else { power_heuristic(pdf_light, value.pdf_solid_angle) };
+    let mis_weight_light = if sample.is_delta || light.found_by_samples_alone() {
+        1.0
+    } else {
+        power_heuristic(pdf_light, value.pdf_solid_angle)
+    };
     if !light.shadow_enable() {
         return unoccluded * mis_weight_light;
     }

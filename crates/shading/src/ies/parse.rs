@@ -40,7 +40,7 @@ impl<'t> Numbers<'t> {
 
 /// The line `TILT=…`: what it says, and what follows it.
 fn tilt(text: &str) -> Option<(&str, &str)> {
-    let mut rest = text;
+    let mut rest = text.trim_start_matches('\u{feff}');
     while !rest.is_empty() {
         let (line, after) = rest.split_once(['\n', '\r']).unwrap_or((rest, ""));
         let line = line.trim();
@@ -86,7 +86,7 @@ pub(super) fn parse(text: &str) -> Result<IesProfile, String> {
     let vertical = numbers.many(n_vertical, "a vertical angle")?;
     let horizontal = numbers.many(n_horizontal, "a horizontal angle")?;
     // In 2019 the second factor became the kind of file.
-    let is_2019 = text.trim_start().starts_with("IES:LM-63-2019");
+    let is_2019 = text.trim_start_matches('\u{feff}').trim_start().starts_with("IES:LM-63-2019");
     let factor = multiplier * ballast * if is_2019 { 1.0 } else { ballast_lamp };
     let candela = numbers.many(n_vertical * n_horizontal, "a candela value")?;
     let candela = candela.iter().map(|c| (c * factor).clamp(0.0, BRIGHTEST) as f32).collect();

@@ -100,8 +100,7 @@ impl Shaping {
         });
         let light_from_render = rotation(p.render_from_light.matrix3).transpose();
         let support = support(cone, ies.as_ref());
-        let mut shaping =
-            Self { light_from_render, cone, focus, focus_tint, ies, support, power_share: 0.0 };
+        let mut shaping = Self { light_from_render, cone, focus, focus_tint, ies, support, power_share: 0.0 };
         shaping.power_share = shaping.share(is_flat(&p.kind));
         Some(Box::new(shaping))
     }
@@ -177,7 +176,7 @@ impl Shaping {
         let end = high;
         if self.focus > 0.0 && self.focus_tint.is_black() && end <= FRAC_PI_2 {
             // Beyond this the focus leaves hardly anything; behind the light it would leave as much as before it.
-            high = high.min((1e-4f32.ln() / self.focus).exp().acos().max(low + 1e-3));
+            high = high.min((1e-6f32.ln() / self.focus).exp().acos().max(low + 1e-3));
         }
         let width = (high - low) / CELLS as f32;
         let mut cells = [0f32; CELLS];
@@ -198,7 +197,7 @@ const AROUND: u32 = 16;
 /// Cells of a beam.
 const CELLS: usize = 32;
 /// Least brightness of a beam where it may shine at all, relative to its peak.
-const FLOOR: f32 = 1e-3;
+const FLOOR: f32 = 1e-5;
 
 impl Ies {
     #[inline]
@@ -262,10 +261,10 @@ fn cleaned(p: &ShapingParams, problems: &mut Vec<LightProblem>) -> ShapingParams
     let tint = p.focus_tint.0.to_array().map(|c| usable(c, "shaping:focusTint", 0.0));
     let mut cone_angle_deg = usable(p.cone_angle_deg, "shaping:cone:angle", default.cone_angle_deg);
     let cone_softness = usable(p.cone_softness, "shaping:cone:softness", default.cone_softness);
-    let ies = p.ies.as_ref().map(|ies| IesParams {
-        angle_scale: usable(ies.angle_scale, "shaping:ies:angleScale", 0.0),
-        ..ies.clone()
-    });
+    let ies = p
+        .ies
+        .as_ref()
+        .map(|ies| IesParams { angle_scale: usable(ies.angle_scale, "shaping:ies:angleScale", 0.0), ..ies.clone() });
     let mut positive = |v: &mut f32, name: &'static str| {
         if *v < 0.0 {
             *v = 0.0;
@@ -307,7 +306,8 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    /// The most of the light that a point may see, relative to its peak; `radius_squared` is of the light's bounds.
+    /// How much of the light a point may see, relative to its peak; `radius_squared` is of the light's bounds.
+    /// Zero only where none of it arrives.
     #[inline]
     pub fn toward(&self, to_point: Vec3, radius_squared: f32) -> f32 {
         let distance_squared = to_point.length_squared();
@@ -322,8 +322,10 @@ impl Beam {
         if off_axis - slack > self.end || to < 0.0 {
             return 0.0;
         }
-        let cell = |angle: f32| ((angle * self.cells_per_radian).max(0.0) as usize).min(CELLS);
+        let cell = |angle: f32| (angle * self.cells_per_radian).floor().clamp(-1e4, 1e4) as i32;
         let (from, to) = (cell(from), cell(to));
-        self.cells[from.min(CELLS)..(to + 1).min(CELLS)].iter().copied().fold(FLOOR, f32::max)
+        let inside = |i: i32| i.clamp(0, CELLS as i32) as usize;
+        let sum: f32 = self.cells[inside(from)..inside(to + 1)].iter().sum();
+        (sum / (to + 1 - from) as f32).max(FLOOR)
     }
 }
