@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import Scene, stage_of
 from pxr import Gf, Sdf, Usd, UsdGeom
+from umber.description import Shadow, Shaping
 from umber.stage_reader import camera_light, find_camera, free_camera, implicit, read_camera
 
 Read = Callable[..., Scene]
@@ -74,6 +75,35 @@ def test_texture_formats_of_domes(read: Read) -> None:
     scene = read('def DomeLight "sky" { token inputs:texture:format = "cubist" }')
     assert scene.lights["/sky"].texture_format == "automatic"
     assert len(scene.warnings) == 1 and "</sky>" in scene.warnings[0] and "'cubist'" in scene.warnings[0]
+
+
+def test_shaping_and_shadows(read: Read) -> None:
+    scene = read("""
+        def SphereLight "spot" (prepend apiSchemas = ["ShapingAPI", "ShadowAPI"]) {
+            float inputs:shaping:focus = 2
+            color3f inputs:shaping:focusTint = (0, 0.5, 1)
+            float inputs:shaping:cone:softness = 0.25
+            asset inputs:shaping:ies:file = @nowhere.ies@
+            float inputs:shaping:ies:angleScale = -0.1
+            bool inputs:shaping:ies:normalize = 1
+            color3f inputs:shadow:color = (0.25, 0, 0)
+            float inputs:shadow:distance = 3
+            float inputs:shadow:falloff = 2
+            float inputs:shadow:falloffGamma = 0.5
+        }
+        def SphereLight "applied" (prepend apiSchemas = ["ShapingAPI"]) {}
+        def SphereLight "plain" {}
+        def SphereLight "unapplied" { float inputs:shaping:cone:angle = 30 }
+        """)
+    spot = scene.lights["/spot"]
+    # the schema's fallback is a cone; without the schema there is none
+    scale = float(np.float32(-0.1))
+    assert spot.shaping == Shaping(2, (0, 0.5, 1), 90, 0.25, "nowhere.ies", scale, ies_normalize=True)
+    assert spot.shadow == Shadow((0.25, 0, 0), 3, 2, 0.5)
+    assert scene.lights["/applied"].shaping == Shaping(cone_angle_deg=90)
+    assert scene.lights["/unapplied"].shaping == Shaping(cone_angle_deg=30)
+    plain = scene.lights["/plain"]
+    assert (plain.shaping, plain.shadow) == (Shaping(), Shadow())
 
 
 def test_other_lights_are_named_once(read: Read) -> None:

@@ -16,6 +16,7 @@ mod guard;
 mod host;
 mod instancer;
 mod light;
+mod light_apis;
 mod material;
 mod mesh;
 mod preview_surface;

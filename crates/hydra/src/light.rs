@@ -11,6 +11,7 @@ use crate::convert::affine;
 use crate::delegate::Delegate;
 use crate::guard::{Outcome, guard, guard_refusal};
 use crate::host::Host;
+use crate::light_apis;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
 const PARAMETERS: [&str; 18] = [
@@ -53,7 +54,7 @@ pub struct Light {
 }
 
 pub fn light_parameters() -> Outcome<Vec<String>> {
-    guard(|| PARAMETERS.map(str::to_owned).to_vec())
+    guard(|| PARAMETERS.into_iter().chain(light_apis::PARAMETERS).map(str::to_owned).collect())
 }
 
 /// The shape with UsdLux' fallbacks.
@@ -130,6 +131,7 @@ impl Light {
                 "diffuse" => light.diffuse = number,
                 "specular" => light.specular = number,
                 "shadow:enable" => light.shadow_enable = number != 0.0,
+                _ if light_apis::set_numbers(light, parameter, numbers) => {}
                 _ => shape(&mut light.kind, parameter, number),
             }
             light.color_temperature = self.by_temperature.then_some(self.kelvin);
@@ -146,7 +148,9 @@ impl Light {
                     DomeTextureFormat::Automatic
                 });
             }
-            _ => {}
+            _ => {
+                light_apis::set_text(&mut self.light, parameter, text);
+            }
         })
     }
 
@@ -204,10 +208,32 @@ mod tests {
         light.set_numbers("enableColorTemperature", &[1.0]).unwrap();
         assert_eq!(light.light.kind, LightKind::Rect { width: 3.0, height: 1.0 });
         assert_eq!(light.light.color_temperature, Some(DAYLIGHT_KELVIN));
+        light.set_numbers("shaping:focusTint", &[0.5, 0.25, 0.0]).unwrap();
+        light.set_numbers("shaping:cone:angle", &[30.0]).unwrap();
+        light.set_text("shaping:ies:file", "lamp.ies").unwrap();
+        light.set_numbers("shaping:ies:normalize", &[1.0]).unwrap();
+        light.set_numbers("shadow:falloff", &[2.0]).unwrap();
+        let shaping = &light.light.shaping;
+        assert_eq!((shaping.cone_angle_deg, shaping.focus_tint), (30.0, Rgb::new(0.5, 0.25, 0.0)));
+        assert!(shaping.ies_file.as_deref() == Some("lamp.ies".as_ref()) && shaping.ies_normalize);
+        assert_eq!(light.light.shadow.falloff, 2.0);
         light.set_visible(false).unwrap();
         light.reset_parameters().unwrap();
         assert_eq!(light.light.kind, light.fallback);
         assert!(!light.light.visible && light.light.color_temperature.is_none());
+        assert_eq!(light.light.shaping, umber_scene::Shaping::default());
+        assert_eq!(light.light.shadow, umber_scene::Shadow::default());
+    }
+
+    #[test]
+    fn every_parameter_changes_something() {
+        let delegate = new_delegate().unwrap();
+        for parameter in light_apis::PARAMETERS {
+            let mut light = new_light(&delegate, "/l", ffi::LightType::Sphere).unwrap();
+            light.set_numbers(parameter, &[0.25, 0.5, 0.75]).unwrap();
+            light.set_text(parameter, "text").unwrap();
+            assert_ne!(light.light, umber_scene::Light::new(light.fallback.clone()), "{parameter}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! descriptions become [`umber_scene::SceneEdit`]s, and finished pictures become arrays.
 
 mod arrays;
+mod light_apis;
 mod lights;
 mod mesh;
 mod session;

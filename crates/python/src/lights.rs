@@ -8,8 +8,9 @@ use umber_scene::{
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
+use crate::light_apis::{PyShadow, PyShaping};
 
-fn rgb([r, g, b]: [f32; 3]) -> Rgb {
+pub(crate) fn rgb([r, g, b]: [f32; 3]) -> Rgb {
     Rgb::new(r, g, b)
 }
 
@@ -36,6 +37,8 @@ pub struct PyLight<'py> {
     diffuse: f32,
     specular: f32,
     shadow_enable: bool,
+    shaping: PyShaping,
+    shadow: PyShadow,
 }
 
 impl PyLight<'_> {
@@ -68,6 +71,8 @@ impl PyLight<'_> {
             diffuse: self.diffuse,
             specular: self.specular,
             shadow_enable: self.shadow_enable,
+            shaping: self.shaping.convert(),
+            shadow: self.shadow.convert(),
             ..Light::new(kind)
         };
         Ok(SceneEdit::Light(LightId::new(&self.path), light))

@@ -4,6 +4,7 @@ mod instances;
 mod lights;
 mod materials;
 mod mesh;
+mod profiles;
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;

@@ -15,6 +15,7 @@ mod mesh;
 mod message;
 mod scene;
 mod session;
+mod shadow;
 mod stats;
 mod surface;
 

@@ -119,4 +119,17 @@ impl LightSet {
             end = visit(index, end).unwrap_or(end);
         }
     }
+
+    /// The distance along a ray to the nearest light shape other than `target`.
+    pub fn nearest_occluder(&self, ray: &Ray, target: u32) -> Option<f32> {
+        let mut nearest = None;
+        self.each_shape(ray, |index, t_max| {
+            if index == target {
+                return None;
+            }
+            nearest = self.lights[index as usize].intersect(&Ray { t_max, ..*ray }).map(|hit| hit.t).or(nearest);
+            nearest
+        });
+        nearest
+    }
 }

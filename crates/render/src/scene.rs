@@ -102,6 +102,19 @@ impl RenderScene {
         0.0
     }
 
+    /// Calls `meet` with the distance and the presence of each surface on a ray, the nearest first, until it says
+    /// that it has seen enough. Counts rays.
+    pub fn occluders(&self, mut ray: Ray, rays: &mut u64, mut meet: impl FnMut(f32, f32) -> bool) {
+        for _ in 0..MAX_PASSES {
+            *rays += 1;
+            let Some(hit) = self.top.closest_hit(&ray) else { return };
+            if !meet(hit.t, if self.partly_present { surface::presence(self, &hit) } else { 1.0 }) {
+                return;
+            }
+            ray.t_min = hit.t;
+        }
+    }
+
     /// The number of the instance at a hit, as Hydra counts: the innermost instancer's number runs fastest.
     pub fn instance_id(&self, hit: &Hit) -> i32 {
         let levels = 0..hit.path.as_slice().len();

@@ -11,6 +11,7 @@ mod instancer;
 mod light;
 mod material;
 mod mesh;
+mod shaping;
 mod store;
 
 pub use camera::{Camera, ConformPolicy, Projection, ScreenWindow};
@@ -21,5 +22,6 @@ pub use instancer::{Instancer, InstancerPatch};
 pub use light::{DomeTexture, DomeTextureFormat, Light, LightKind};
 pub use material::{Material, OpacityMode, PreviewSurface};
 pub use mesh::{CulledFaces, GeomSubset, Mesh, MeshPatch, Purpose};
+pub use shaping::{Shadow, Shaping};
 pub use store::SceneStore;
 pub use umber_geometry::{Interpolation, Orientation, Primvar, PrimvarValues, SubdivisionScheme, Topology};

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use umber_math::{DAffine3, Rgb};
 
+use crate::{Shadow, Shaping};
+
 /// A dome light's picture (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DomeTexture {
@@ -115,6 +117,10 @@ pub struct Light {
     pub camera_visible: bool,
     /// Whether it shines at all.
     pub visible: bool,
+    /// ShapingAPI: what the emission is multiplied by, by direction.
+    pub shaping: Shaping,
+    /// ShadowAPI, but for `inputs:shadow:enable`.
+    pub shadow: Shadow,
 }
 
 impl Light {
@@ -134,6 +140,8 @@ impl Light {
             shadow_enable: true,
             camera_visible: true,
             visible: true,
+            shaping: Shaping::default(),
+            shadow: Shadow::default(),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod bsdf;
 mod environment;
+mod ies;
 mod image_file;
 mod lights;
 mod material;
@@ -14,10 +15,12 @@ mod texels;
 
 pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
 pub use environment::{EnvironmentMap, TextureFormat};
+pub use ies::{IesError, IesProfile};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    CylinderLight, DiskLight, DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem,
-    LightSample, LightSampler, LightTexture, RectLight, SphereLight,
+    CylinderLight, DiskLight, DistantLight, DomeLight, IesParams, Light, LightHit, LightKind, LightParams,
+    LightProblem, LightSample, LightSampler, LightTexture, RectLight, ShadowParams, ShadowShape, ShapingParams,
+    SphereLight,
 };
 pub use material::Material;
 pub use preview_surface::{OpacityMode, PreviewSurface};

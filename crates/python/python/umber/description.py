@@ -88,6 +88,29 @@ class Camera:
 
 
 @dataclass(slots=True)
+class Shaping:
+    """ShapingAPI: what a light's emission is multiplied by, by direction. This is a light without it."""
+
+    focus: float = 0.0
+    focus_tint: Color = (0.0, 0.0, 0.0)
+    cone_angle_deg: float = 180.0
+    cone_softness: float = 0.0
+    ies_file: str | None = None
+    ies_angle_scale: float = 0.0
+    ies_normalize: bool = False
+
+
+@dataclass(slots=True)
+class Shadow:
+    """ShadowAPI, but for its switch. A negative distance is no limit."""
+
+    color: Color = (0.0, 0.0, 0.0)
+    distance: float = -1.0
+    falloff: float = -1.0
+    falloff_gamma: float = 1.0
+
+
+@dataclass(slots=True)
 class Light:
     """A light of UsdLux: distant, dome, rect, sphere, disk or cylinder. What its kind does not have is ignored."""
 
@@ -111,6 +134,8 @@ class Light:
     diffuse: float = 1.0
     specular: float = 1.0
     shadow_enable: bool = True
+    shaping: Shaping = field(default_factory=Shaping)
+    shadow: Shadow = field(default_factory=Shadow)
 
 
 @dataclass(slots=True)

@@ -6,15 +6,17 @@ use std::sync::Arc;
 
 use umber_math::{Bounds3, DAffine3};
 use umber_scene::{DomeTexture, DomeTextureFormat, Light, LightId, LightKind};
-use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, TextureFormat};
+use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, ShadowParams, TextureFormat};
 
+use super::profiles::Profiles;
 use crate::light_set::LightSet;
 
-/// Keeps the pictures of dome and rect lights.
+/// Keeps the pictures of dome and rect lights, and IES profiles.
 #[derive(Debug, Default)]
 pub struct LightCompiler {
     domes: HashMap<(PathBuf, DomeTextureFormat), Read<EnvironmentMap>>,
     rects: HashMap<PathBuf, Read<LightTexture>>,
+    profiles: Profiles,
 }
 
 /// What came of reading a picture.
@@ -34,6 +36,7 @@ impl LightCompiler {
             lights.values().any(|l| matches!(&l.kind, LightKind::Dome { texture: Some(t) } if is_this(t)))
         });
         self.rects.retain(|file, _| lights.values().any(|l| rect_texture(l) == Some(file)));
+        self.profiles.retain_used(lights.values());
         let mut made = Vec::new();
         for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
             let params = self.params(id, light, render_from_world, warn);
@@ -84,6 +87,8 @@ impl LightCompiler {
             specular: light.specular,
             shadow_enable: light.shadow_enable,
             camera_visible: light.camera_visible,
+            shaping: self.profiles.shaping(id, &light.shaping, warn),
+            shadow: shadow(&light.shadow),
         }
     }
 
@@ -160,4 +165,9 @@ mod tests {
         assert_eq!(sizes, [[4.0, 4.0, 0.0], [4.0, 1.0, 1.0], [4.0, 0.0, 0.0]]);
         assert_eq!(set.lights().iter().map(|l| l.is_delta()).collect::<Vec<_>>(), [false, false, true]);
     }
+}
+
+fn shadow(shadow: &umber_scene::Shadow) -> ShadowParams {
+    let &umber_scene::Shadow { color, distance, falloff, falloff_gamma } = shadow;
+    ShadowParams { color, distance, falloff, falloff_gamma }
 }

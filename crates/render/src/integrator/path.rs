@@ -8,6 +8,7 @@ use super::RadianceSample;
 use super::dimensions::{self, Draw};
 use crate::light_set::ShapeHit;
 use crate::scene::RenderScene;
+use crate::shadow;
 use crate::surface::SurfaceInteraction;
 
 /// How a ray's direction was found.
@@ -130,8 +131,8 @@ fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin)
         Origin::Delta { diffuse_share } => multiplier(scene, light, diffuse_share),
         Origin::Bsdf { point, pdf_solid_angle, diffuse_share } => {
             let of_light = &scene.lights.lights()[light as usize];
-            if !of_light.shadow_enable() {
-                // shines through things: light samples alone find all of it
+            if of_light.found_by_samples_alone() {
+                // its shadows are not those that rays meet
                 return Rgb::BLACK;
             }
             let pdf_light = scene.lights.pmf(point, light) * of_light.pdf_solid_angle(point, wi);
@@ -186,14 +187,20 @@ fn direct(
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return Rgb::BLACK;
     }
-    let mis_weight_light =
-        if sample.is_delta || !light.shadow_enable() { 1.0 } else { power_heuristic(pdf_light, value.pdf_solid_angle) };
+    let mis_weight_light = if sample.is_delta || light.found_by_samples_alone() {
+        1.0
+    } else {
+        power_heuristic(pdf_light, value.pdf_solid_angle)
+    };
     if !light.shadow_enable() {
         return unoccluded * mis_weight_light;
     }
     let mut shadow_ray = surface.at.spawn_ray(sample.wi);
     // the light's own rounding error is relative to its distance
     shadow_ray.t_max = sample.distance * (1.0 - 4.0 * f32::EPSILON);
+    if let Some(shape) = light.shadow_shape() {
+        return unoccluded * shadow::visibility(scene, shape, shadow_ray, index, rays);
+    }
     if scene.lights.occluded(&shadow_ray, index) {
         return Rgb::BLACK;
     }

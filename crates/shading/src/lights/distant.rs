@@ -46,11 +46,12 @@ impl DistantLight {
         let one_minus_cos = if is_parallel { 0.0 } else { 2.0 * (half_angle * 0.5).sin().powi(2) };
         // Beyond a right angle the disk wraps behind the surface: that part is not received.
         let received = if is_parallel { 1.0 } else { PI * half_angle.min(PI * 0.5).sin().powi(2) };
+        let irradiance = emission.radiance * received as f32;
         Ok(Self {
             emission,
             frame: Frame::from_normal(Normal3(direction.as_vec3())),
             one_minus_cos: one_minus_cos as f32,
-            irradiance: emission.radiance * received as f32,
+            irradiance,
         })
     }
     #[inline]

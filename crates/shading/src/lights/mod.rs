@@ -10,6 +10,8 @@ mod dome;
 mod params;
 mod rect;
 mod select;
+mod shadow;
+mod shaping;
 mod sphere;
 mod spherical_rect;
 mod texture;
@@ -28,6 +30,8 @@ use params::Emission;
 pub use params::{LightKind, LightParams, LightProblem};
 pub use rect::RectLight;
 pub use select::LightSampler;
+pub use shadow::{ShadowParams, ShadowShape};
+pub use shaping::{IesParams, ShapingParams};
 pub use sphere::SphereLight;
 pub use texture::LightTexture;
 
@@ -101,14 +105,18 @@ impl Light {
     /// A direction from `p` to the light; `None` where none of its light arrives.
     #[inline]
     pub fn sample(&self, p: Point3, u: Vec2) -> Option<LightSample> {
-        match self {
+        let mut sample = match self {
             Self::Distant(l) => l.sample(u),
             Self::Dome(l) => l.sample(u),
             Self::Rect(l) => l.sample(p, u),
             Self::Sphere(l) => l.sample(p, u),
             Self::Disk(l) => l.sample(p, u),
             Self::Cylinder(l) => l.sample(p, u),
+        }?;
+        if let Some(shaping) = &self.emission().shaping {
+            sample.radiance = shaping.shape(sample.radiance, -sample.wi);
         }
+        Some(sample)
     }
     /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights.
     #[inline]
@@ -125,13 +133,18 @@ impl Light {
     /// The nearest hit with a light that has a place and a size.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<LightHit> {
-        match self {
+        let mut hit = match self {
             Self::Distant(_) | Self::Dome(_) => None,
             Self::Rect(l) => l.intersect(ray),
             Self::Sphere(l) => l.intersect(ray),
             Self::Disk(l) => l.intersect(ray),
             Self::Cylinder(l) => l.intersect(ray),
+        }?;
+        if let Some(shaping) = &self.emission().shaping {
+            hit.radiance = shaping.shape(hit.radiance, -ray.direction.normalized());
+            hit.is_front &= !hit.radiance.is_black();
         }
+        Some(hit)
     }
     /// Radiance that arrives along `wi`, unit, from a distant or dome light; `None` where it sends none that way.
     #[inline]
@@ -145,14 +158,16 @@ impl Light {
     /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.
     pub fn power_estimate(&self, scene_radius: f32) -> f32 {
         let disk = PI * scene_radius * scene_radius;
-        match self {
+        let shaped = self.emission().shaping.as_ref().map_or(1.0, |s| s.power_share());
+        let whole = match self {
             Self::Distant(l) => l.irradiance().luminance() * disk,
             Self::Dome(l) => l.mean_radiance().luminance() * 4.0 * PI * disk,
             Self::Rect(l) => l.power().luminance(),
             Self::Sphere(l) => l.power().luminance(),
             Self::Disk(l) => l.power().luminance(),
             Self::Cylinder(l) => l.power().luminance(),
-        }
+        };
+        whole * shaped
     }
     /// The box around a light that has a place.
     pub fn bounds(&self) -> Option<Bounds3> {
@@ -189,12 +204,24 @@ impl Light {
     }
     /// Whether it emits nothing.
     pub fn is_black(&self) -> bool {
-        self.emission().radiance.is_black()
+        let emission = self.emission();
+        emission.radiance.is_black() || emission.shaping.as_ref().is_some_and(|s| s.is_black())
     }
     /// Whether it casts shadows.
     #[inline]
     pub fn shadow_enable(&self) -> bool {
         self.emission().shadow_enable
+    }
+    /// Its shadows, where they are unlike those of nature.
+    #[inline]
+    pub fn shadow_shape(&self) -> Option<&ShadowShape> {
+        self.emission().shadow.as_ref()
+    }
+    /// Whether rays that meet it by chance must not count, as they could not tell what light samples see of it.
+    #[inline]
+    pub fn found_by_samples_alone(&self) -> bool {
+        let emission = self.emission();
+        !emission.shadow_enable || emission.shadow.is_some()
     }
     /// Whether the camera sees the light itself.
     #[inline]

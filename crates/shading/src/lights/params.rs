@@ -7,6 +7,8 @@ use umber_math::blackbody::blackbody_rgb;
 use umber_math::{DAffine3, DVec3, Rgb};
 
 use super::LightTexture;
+use super::shadow::{ShadowParams, ShadowShape};
+use super::shaping::{Shaping, ShapingParams};
 use crate::EnvironmentMap;
 
 /// Radiance (irradiance, intensity) above this is cut: products with it stay finite in single precision.
@@ -82,6 +84,10 @@ pub struct LightParams {
     pub shadow_enable: bool,
     /// Whether the camera sees the light itself.
     pub camera_visible: bool,
+    /// What its emission is multiplied by, by direction.
+    pub shaping: ShapingParams,
+    /// What its shadows are like.
+    pub shadow: ShadowParams,
 }
 
 impl LightParams {
@@ -100,6 +106,8 @@ impl LightParams {
             specular: 1.0,
             shadow_enable: true,
             camera_visible: true,
+            shaping: ShapingParams::default(),
+            shadow: ShadowParams::default(),
         }
     }
 }
@@ -113,6 +121,12 @@ pub enum LightProblem {
     /// A quantity is NaN or infinite; it counts as zero.
     #[error("{0} is not a finite number; it counts as zero")]
     NotFinite(&'static str),
+    /// A quantity is NaN or infinite; its default stands in.
+    #[error("{0} is not a finite number; it is ignored")]
+    Ignored(&'static str),
+    /// A distant or dome light with shaping, which lights with a place alone have.
+    #[error("shaping has no effect on distant and dome lights")]
+    NotShaped,
     /// The light is brighter than can be rendered; it is dimmed to a radiance of 10³⁰.
     #[error("the light is brighter than can be rendered; its radiance is cut to 1e30")]
     TooBright,
@@ -125,7 +139,7 @@ pub enum LightProblem {
 }
 
 /// What all lights have.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Emission {
     /// Radiance, before a texture; irradiance or intensity of lights without size.
     pub radiance: Rgb,
@@ -133,6 +147,8 @@ pub(crate) struct Emission {
     pub specular: f32,
     pub shadow_enable: bool,
     pub camera_visible: bool,
+    pub shaping: Option<Box<Shaping>>,
+    pub shadow: Option<ShadowShape>,
 }
 
 impl Emission {
@@ -164,7 +180,10 @@ impl Emission {
         }
         problems.dedup();
         let radiance = Rgb(radiance.as_vec3());
-        Self { radiance, diffuse, specular, shadow_enable: p.shadow_enable, camera_visible: p.camera_visible }
+        let (shadow_enable, camera_visible) = (p.shadow_enable, p.camera_visible);
+        let shadow = ShadowShape::new(&p.shadow, problems).filter(|_| shadow_enable);
+        let shaping = Shaping::new(p, problems);
+        Self { radiance, diffuse, specular, shadow_enable, camera_visible, shaping, shadow }
     }
 }
 

@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 use umber_math::{Bounds3, Vec3};
 
 use super::Light;
+use super::shaping::Beam;
 
 /// A finite light as seen by the sampler.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub(crate) struct Emitter {
     intensity: f32,
     /// Unit; `None` for a light that shines all around.
     facing: Option<Vec3>,
+    /// Where it shines, if it is shaped.
+    beam: Option<Box<Beam>>,
 }
 
 impl Emitter {
@@ -29,6 +32,13 @@ impl Emitter {
     pub fn new(index: u32, light: &Light, weight: f32) -> Self {
         let bounds = light.bounds().unwrap_or_default();
         let facing = light.facing().map(|v| v.0);
+        let shaping = light.emission().shaping.as_ref();
+        let beam = shaping.map(|s| Box::new(s.beam()));
+        // What a shaped light lacks in power it does not lack along its beam.
+        let weight = match (shaping, &beam) {
+            (Some(s), Some(beam)) => finite(weight / s.power_share() * beam.peak),
+            _ => weight,
+        };
         Self {
             light: index,
             bounds,
@@ -37,6 +47,7 @@ impl Emitter {
             // A flat light sends its power into a cosine lobe: a fourth of the steradians of the sphere.
             intensity: if facing.is_some() { 4.0 * weight } else { weight },
             facing,
+            beam,
         }
     }
     /// Irradiance to expect at a point, relative; zero only where none of its light arrives.
@@ -49,7 +60,20 @@ impl Emitter {
             // Low above the light's plane its far side counts as well.
             if height > 0.0 { (height + 0.5 * self.radius_squared.sqrt()) / softened.sqrt() } else { 0.0 }
         });
-        finite(self.intensity * cos / softened)
+        let plain = finite(self.intensity * cos / softened);
+        self.beam.as_ref().map_or(plain, |beam| plain * beam.toward(to_point, self.radius_squared))
+    }
+    /// Directions in which it shines.
+    fn cone(&self) -> Cone {
+        let right_angle = PI * 0.5;
+        match (self.facing, &self.beam) {
+            (Some(axis), Some(beam)) if axis.dot(beam.axis) > 0.9999 => {
+                Cone { axis, cos: 1.0, edge: beam.end.min(right_angle) }
+            }
+            (Some(axis), _) => Cone { axis, cos: 1.0, edge: right_angle },
+            (None, Some(beam)) if beam.end < 0.9 * PI => Cone { axis: beam.axis, cos: 1.0, edge: beam.end },
+            (None, _) => Cone::ALL,
+        }
     }
 }
 
@@ -63,17 +87,20 @@ fn finite(importance: f32) -> f32 {
 struct Cone {
     axis: Vec3,
     cos: f32,
+    /// How far off its own axis each light shines at most, radians.
+    edge: f32,
 }
 
 impl Cone {
-    const ALL: Self = Self { axis: Vec3::Z, cos: -1.0 };
+    const ALL: Self = Self { axis: Vec3::Z, cos: -1.0, edge: PI };
 
     fn union(self, o: Self) -> Self {
         let (a, b) = if self.cos <= o.cos { (self, o) } else { (o, self) };
         let (theta_a, theta_b) = (a.cos.clamp(-1.0, 1.0).acos(), b.cos.clamp(-1.0, 1.0).acos());
         let between = a.axis.angle_between(b.axis);
+        let edge = a.edge.max(b.edge);
         if (between + theta_b).min(PI) <= theta_a {
-            return a;
+            return Self { edge, ..a };
         }
         let theta = (theta_a + between + theta_b) * 0.5;
         let perpendicular = a.axis.cross(b.axis);
@@ -81,12 +108,12 @@ impl Cone {
             return Self::ALL;
         }
         let turn = glam::Quat::from_axis_angle(perpendicular.normalize(), theta - theta_a);
-        Self { axis: (turn * a.axis).normalize(), cos: theta.cos() }
+        Self { axis: (turn * a.axis).normalize(), cos: theta.cos(), edge }
     }
     /// Solid angle that lights facing within the cone shine into, weighted by how much.
     fn measure(self) -> f32 {
         let theta = self.cos.clamp(-1.0, 1.0).acos();
-        let edge = (theta + PI * 0.5).min(PI);
+        let edge = (theta + self.edge).min(PI);
         let sin = theta.sin();
         2.0 * PI * (1.0 - self.cos)
             + PI * 0.5 * (2.0 * edge * sin - (theta - 2.0 * edge).cos() - 2.0 * theta * sin + self.cos)
@@ -105,8 +132,7 @@ impl Cluster {
     const EMPTY: Self = Self { bounds: Bounds3::EMPTY, cone: Cone::ALL, intensity: 0.0 };
 
     fn of(e: &Emitter) -> Self {
-        let cone = e.facing.map_or(Cone::ALL, |axis| Cone { axis, cos: 1.0 });
-        Self { bounds: e.bounds, cone, intensity: e.intensity }
+        Self { bounds: e.bounds, cone: e.cone(), intensity: e.intensity }
     }
     fn union(self, o: Self) -> Self {
         if self.intensity == 0.0 {
@@ -135,8 +161,8 @@ impl Cluster {
         let cos_axis = (self.cone.axis.dot(to_point) / distance_squared.sqrt()).clamp(-1.0, 1.0);
         let slack = self.cone.cos.acos() + (radius_squared / distance_squared).sqrt().asin();
         let angle = (cos_axis.acos() - slack).max(0.0);
-        // A little more than a right angle: rounding must not hide a light.
-        if angle >= PI * 0.5 + 1e-3 { 0.0 } else { finite(self.intensity * angle.cos().max(1e-3) / softened) }
+        // A little more than the edge: rounding must not hide a light.
+        if angle >= self.cone.edge + 1e-3 { 0.0 } else { finite(self.intensity * angle.cos().max(1e-3) / softened) }
     }
 }
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from umber.description import Color, Light
+from umber.stage_reader.light_apis import read_light_apis
 from umber.stage_reader.placement import Space
-from umber.stage_reader.reading import Reading, matrix, single
+from umber.stage_reader.reading import Reading, asset_file, matrix, single
 
 KINDS = {
     "DistantLight": "distant",
@@ -35,6 +36,7 @@ def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light
         light = Light(reading.unique_path(prim.GetPath()), kind, matrix(own * outer))
         _read_shape(reading, prim, light)
         _read_emission(reading, prim, light)
+        read_light_apis(reading, prim, light)
         yield light
 
 
@@ -62,7 +64,7 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.angle_deg = number("angle", light.angle_deg)
     elif light.kind == "rect":
         light.width, light.height = number("width", light.width), number("height", light.height)
-        light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
+        light.texture_file = asset_file(_input(reading, prim, "texture:file", None))
     elif light.kind == "sphere":
         light.radius = number("radius", light.radius)
         light.treat_as_point = bool(reading.value(prim, "treatAsPoint"))
@@ -72,7 +74,7 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.radius, light.length = number("radius", light.radius), number("length", light.length)
         light.treat_as_line = bool(reading.value(prim, "treatAsLine"))
     else:
-        light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
+        light.texture_file = asset_file(_input(reading, prim, "texture:file", None))
         _read_texture_format(reading, prim, light)
 
 
@@ -82,11 +84,6 @@ def _read_texture_format(reading: Reading, prim: Usd.Prim, light: Light) -> None
         light.texture_format = texture_format
     else:
         reading.warn(prim, f"there is no texture format '{texture_format}'; it is taken as automatic")
-
-
-def _texture_file(asset: Sdf.AssetPath | None) -> str | None:
-    """The file as the resolver found it; as it was written where it found none."""
-    return (asset.resolvedPath or asset.path or None) if asset else None
 
 
 def _read_emission(reading: Reading, prim: Usd.Prim, light: Light) -> None:

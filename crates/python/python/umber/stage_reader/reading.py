@@ -70,6 +70,11 @@ def matrix(value: Gf.Matrix4d) -> Doubles:
     return np.array(value, np.float64)
 
 
+def asset_file(asset: Sdf.AssetPath | None) -> str | None:
+    """The file as the resolver found it; as it was written where it found none."""
+    return (asset.resolvedPath or asset.path or None) if asset else None
+
+
 def single(value: float) -> float:
     """Rounds to single precision."""
     return float(np.float32(value))
