@@ -10,6 +10,7 @@ use umber_settings::Settings;
 use crate::camera::RenderCamera;
 use crate::compile::InstanceNumber;
 use crate::light_set::LightSet;
+use crate::linking::Linking;
 use crate::material::RenderMaterial;
 use crate::mesh::RenderMesh;
 use crate::surface;
@@ -33,12 +34,14 @@ pub struct RenderScene {
     pub materials: Arc<[RenderMaterial]>,
     /// Lights.
     pub lights: Arc<LightSet>,
+    /// Which lights reach what, where not all reach all.
+    pub linking: Option<Arc<Linking>>,
     /// Whether any surface may let rays pass: where none does, nobody asks.
     pub partly_present: bool,
 }
 
 /// Rays that went through surfaces which are not there end after so many of them.
-const MAX_PASSES: u32 = 1024;
+pub(crate) const MAX_PASSES: u32 = 1024;
 
 impl RenderScene {
     /// The nearest surface on a ray that is there. `chance(n)` gives the n-th number in [0, 1) that

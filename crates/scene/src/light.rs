@@ -1,8 +1,11 @@
 //! Lights, by UsdLux.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use umber_math::{DAffine3, Rgb};
+
+use crate::{Category, LightId};
 
 /// A dome light's picture, latitude-longitude (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,6 +41,14 @@ pub enum LightKind {
         /// Shine as a point of the same power, without shape.
         treat_as_point: bool,
     },
+    /// An opening on the XY plane around the origin, through which a dome shines along -Z. It does not shine itself:
+    /// domes that name it in [`Light::portals`] are sampled through it.
+    Portal {
+        /// Extent along X, light-space units.
+        width: f32,
+        /// Extent along Y, light-space units.
+        height: f32,
+    },
 }
 
 /// A light. Radiance is `color · intensity · 2^exposure`, over the area where `normalize` is set.
@@ -67,6 +78,12 @@ pub struct Light {
     pub camera_visible: bool,
     /// Whether it shines at all.
     pub visible: bool,
+    /// Openings through which most of a dome's light comes in. They guide sampling, and change no picture.
+    pub portals: Arc<[LightId]>,
+    /// Category of what it illuminates; all where there is none.
+    pub light_link: Option<Category>,
+    /// Category of what casts shadows in its light; all where there is none.
+    pub shadow_link: Option<Category>,
 }
 
 impl Light {
@@ -85,6 +102,9 @@ impl Light {
             shadow_enable: true,
             camera_visible: true,
             visible: true,
+            portals: Arc::default(),
+            light_link: None,
+            shadow_link: None,
         }
     }
 }

@@ -15,7 +15,7 @@ pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
 pub use environment::EnvironmentMap;
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem, LightSample, LightSampler,
+    DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem, LightSample, LightSampler, Portal,
     RectLight, SphereLight,
 };
 pub use material::Material;

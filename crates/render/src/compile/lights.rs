@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use umber_math::{Bounds3, DAffine3};
 use umber_scene::{Light, LightId, LightKind};
-use umber_shading::{EnvironmentMap, LightParams};
+use umber_shading::{EnvironmentMap, LightParams, Portal};
 
 use crate::light_set::LightSet;
+use crate::linking::LightLinks;
 
 /// Keeps the pictures of dome lights.
 #[derive(Debug, Default)]
@@ -18,31 +19,36 @@ pub struct LightCompiler {
 }
 
 impl LightCompiler {
-    /// Makes all lights that shine.
+    /// Makes all lights that shine, and their links.
     pub fn compile(
         &mut self,
         lights: &BTreeMap<LightId, Light>,
         render_from_world: DAffine3,
         scene_bounds: Bounds3,
         warn: &mut dyn FnMut(&str, String),
-    ) -> LightSet {
+    ) -> (LightSet, Vec<LightLinks>) {
         let in_use = |file: &PathBuf| {
             let is_this = |l: &Light| matches!(&l.kind, LightKind::Dome { texture: Some(t) } if t.file == *file);
             lights.values().any(is_this)
         };
         self.textures.retain(|file, _| in_use(file));
-        let mut made = Vec::new();
-        for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
+        let (mut made, mut links) = (Vec::new(), Vec::new());
+        let shines = |light: &Light| light.visible && !matches!(light.kind, LightKind::Portal { .. });
+        for (id, light) in lights.iter().filter(|(_, light)| shines(light)) {
+            let portals = portals(id, light, lights, render_from_world, warn);
             let params = self.params(id, light, render_from_world, warn);
             match umber_shading::Light::new(&params) {
-                Ok((light, problems)) => {
+                Ok((shape, problems)) => {
                     problems.iter().for_each(|problem| warn(id.path(), problem.to_string()));
-                    made.push(light);
+                    if !shape.is_black() {
+                        made.push(shape.with_portals(portals));
+                        links.push(LightLinks { light: light.light_link.clone(), shadow: light.shadow_link.clone() });
+                    }
                 }
                 Err(problem) => warn(id.path(), problem.to_string()),
             }
         }
-        LightSet::new(made, scene_bounds)
+        (LightSet::new(made, scene_bounds), links)
     }
 
     fn params(
@@ -58,6 +64,7 @@ impl LightCompiler {
             LightKind::Sphere { radius, treat_as_point } => {
                 umber_shading::LightKind::Sphere { radius: *radius, treat_as_point: *treat_as_point }
             }
+            LightKind::Portal { width, height } => umber_shading::LightKind::Rect { width: *width, height: *height },
             LightKind::Dome { texture } => {
                 let texture = texture.as_ref().and_then(|t| self.texture(id, &t.file, warn));
                 umber_shading::LightKind::Dome { texture }
@@ -97,4 +104,31 @@ impl LightCompiler {
         self.textures.insert(file.clone(), loaded.clone());
         loaded
     }
+}
+
+/// The portals of a light that are shown.
+fn portals(
+    id: &LightId,
+    light: &Light,
+    lights: &BTreeMap<LightId, Light>,
+    render_from_world: DAffine3,
+    warn: &mut dyn FnMut(&str, String),
+) -> Vec<Portal> {
+    let mut usable = Vec::new();
+    for portal_id in light.portals.iter() {
+        let Some(portal) = lights.get(portal_id) else {
+            warn(id.path(), format!("no such portal: {portal_id}"));
+            continue;
+        };
+        let LightKind::Portal { width, height } = portal.kind else {
+            warn(id.path(), format!("{portal_id} is not a portal light; it guides nothing"));
+            continue;
+        };
+        match Portal::new(render_from_world * portal.world_from_light, width, height) {
+            Ok(made) if portal.visible => usable.push(made),
+            Ok(_) => {}
+            Err(problem) => warn(portal_id.path(), problem.to_string()),
+        }
+    }
+    usable
 }

@@ -6,6 +6,7 @@
 mod distant;
 mod dome;
 mod params;
+mod portal;
 mod rect;
 mod select;
 mod sphere;
@@ -21,6 +22,7 @@ pub use distant::DistantLight;
 pub use dome::DomeLight;
 use params::Emission;
 pub use params::{LightKind, LightParams, LightProblem};
+pub use portal::Portal;
 pub use rect::RectLight;
 pub use select::LightSampler;
 pub use sphere::SphereLight;
@@ -87,7 +89,7 @@ impl Light {
     pub fn sample(&self, p: Point3, u: Vec2) -> Option<LightSample> {
         match self {
             Self::Distant(l) => l.sample(u),
-            Self::Dome(l) => l.sample(u),
+            Self::Dome(l) => l.sample(p, u),
             Self::Rect(l) => l.sample(p, u),
             Self::Sphere(l) => l.sample(p, u),
         }
@@ -97,7 +99,7 @@ impl Light {
     pub fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
         match self {
             Self::Distant(l) => l.pdf_solid_angle(wi),
-            Self::Dome(l) => l.pdf_solid_angle(wi),
+            Self::Dome(l) => l.pdf_solid_angle(p, wi),
             Self::Rect(l) => l.pdf_solid_angle(p, wi),
             Self::Sphere(l) => l.pdf_solid_angle(p, wi),
         }
