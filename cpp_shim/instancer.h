@@ -15,10 +15,13 @@ public:
     HdUmberInstancer(HdSceneDelegate *delegate, SdfPath const &id,
                      rust::Box<umber::Instancer> instancer);
 
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
     void Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits) override;
     void Finalize(HdRenderParam *param) override;
 
 private:
+    void _SyncCategories(HdSceneDelegate *delegate);
+
     rust::Box<umber::Instancer> _instancer;
 };
 

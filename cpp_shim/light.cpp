@@ -38,7 +38,9 @@ void HdUmberLight::_SyncParameters(HdSceneDelegate *delegate)
         TfToken const parameter{std::string(name)};
         VtValue const value = delegate->GetLightParamValue(GetId(), parameter);
         HdUmberNumbers const numbers = HdUmberReadNumbers(value);
-        if (numbers.components > 0) {
+        if (value.IsHolding<SdfPathVector>()) {
+            _light->set_paths(name, HdUmberSlice(HdUmberTexts(value.UncheckedGet<SdfPathVector>())));
+        } else if (numbers.components > 0) {
             _light->set_numbers(name, numbers.Slice());
         } else if (!value.IsEmpty()) {
             _light->set_text(name, HdUmberReadText(value));

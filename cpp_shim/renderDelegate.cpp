@@ -155,7 +155,7 @@ TfTokenVector const &HdUmberRenderDelegate::GetSupportedSprimTypes() const
         HdPrimTypeTokens->extComputation, HdPrimTypeTokens->material,
         HdPrimTypeTokens->camera,         HdPrimTypeTokens->distantLight,
         HdPrimTypeTokens->domeLight,      HdPrimTypeTokens->rectLight,
-        HdPrimTypeTokens->sphereLight,
+        HdPrimTypeTokens->sphereLight,    HdPrimTypeTokens->light,
     };
     return types;
 }
@@ -217,6 +217,8 @@ HdSprim *HdUmberRenderDelegate::CreateSprim(TfToken const &typeId, SdfPath const
             sprim = light(umber::LightType::Rect);
         } else if (typeId == HdPrimTypeTokens->sphereLight) {
             sprim = light(umber::LightType::Sphere);
+        } else if (typeId == HdPrimTypeTokens->light) {
+            sprim = light(umber::LightType::Other);
         } else {
             TF_CODING_ERROR("Umber has no Sprim type %s", typeId.GetText());
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use umber_math::Rgb;
 use umber_render::Message;
-use umber_scene::{DomeTexture, LightId, LightKind, SceneEdit};
+use umber_scene::{Category, DomeTexture, LightId, LightKind, SceneEdit};
 
 use crate::bridge::ffi;
 use crate::convert::affine;
@@ -13,7 +13,7 @@ use crate::guard::{Outcome, guard, guard_refusal};
 use crate::host::Host;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
-const PARAMETERS: [&str; 16] = [
+const PARAMETERS: [&str; 20] = [
     "color",
     "intensity",
     "exposure",
@@ -30,7 +30,12 @@ const PARAMETERS: [&str; 16] = [
     "treatAsPoint",
     "texture:file",
     "texture:format",
+    "lightLink",
+    "shadowLink",
+    "portals",
+    SHADER_ID,
 ];
+const SHADER_ID: &str = "light:shaderId";
 
 /// UsdLux' fallback of `inputs:colorTemperature`.
 const DAYLIGHT_KELVIN: f32 = 6500.0;
@@ -55,6 +60,7 @@ fn kind(light_type: ffi::LightType) -> LightKind {
         ffi::LightType::Distant => LightKind::Distant { angle_deg: 0.53 },
         ffi::LightType::Dome => LightKind::Dome { texture: None },
         ffi::LightType::Rect => LightKind::Rect { width: 1.0, height: 1.0 },
+        ffi::LightType::Other => LightKind::Portal { width: 1.0, height: 1.0 },
         _ => LightKind::Sphere { radius: 0.5, treat_as_point: false },
     }
 }
@@ -125,7 +131,22 @@ impl Light {
                 let text = format!("texture format '{text}' is not supported: the texture is read as latlong");
                 self.host.say(Message::warning(Some(self.id.path()), text));
             }
+            ("lightLink", _) => self.light.light_link = (!text.is_empty()).then(|| Category::new(text)),
+            ("shadowLink", _) => self.light.shadow_link = (!text.is_empty()).then(|| Category::new(text)),
+            (SHADER_ID, LightKind::Portal { .. }) if text != "PortalLight" => {
+                let text = format!("lights of this type are not supported; left out ({text})");
+                self.host.say(Message::warning(Some(self.id.path()), text));
+                self.light.visible = false;
+            }
             _ => {}
+        })
+    }
+
+    pub fn set_paths(&mut self, parameter: &str, paths: &[&str]) -> Outcome {
+        guard(|| {
+            if parameter == "portals" {
+                self.light.portals = paths.iter().map(|path| LightId::new(path)).collect();
+            }
         })
     }
 
@@ -141,8 +162,8 @@ impl Light {
 fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
     match (kind, parameter) {
         (LightKind::Distant { angle_deg }, "angle") => *angle_deg = number,
-        (LightKind::Rect { width, .. }, "width") => *width = number,
-        (LightKind::Rect { height, .. }, "height") => *height = number,
+        (LightKind::Rect { width, .. } | LightKind::Portal { width, .. }, "width") => *width = number,
+        (LightKind::Rect { height, .. } | LightKind::Portal { height, .. }, "height") => *height = number,
         (LightKind::Sphere { radius, .. }, "radius") => *radius = number,
         (LightKind::Sphere { treat_as_point, .. }, "treatAsPoint") => *treat_as_point = number != 0.0,
         _ => {}
@@ -164,9 +185,29 @@ mod tests {
         light.set_numbers("enableColorTemperature", &[1.0]).unwrap();
         assert_eq!(light.light.kind, LightKind::Rect { width: 3.0, height: 1.0 });
         assert_eq!(light.light.color_temperature, Some(DAYLIGHT_KELVIN));
+        light.set_text("lightLink", "/l.collection:lightLink").unwrap();
+        light.set_text("shadowLink", "").unwrap();
+        assert_eq!(light.light.light_link, Some(Category::new("/l.collection:lightLink")));
+        assert_eq!(light.light.shadow_link, None);
         light.set_visible(false).unwrap();
         light.reset_parameters().unwrap();
         assert_eq!(light.light.kind, light.fallback);
         assert!(!light.light.visible && light.light.color_temperature.is_none());
+    }
+
+    #[test]
+    fn portals_and_domes_that_name_them() {
+        let delegate = new_delegate().unwrap();
+        let mut dome = new_light(&delegate, "/d", ffi::LightType::Dome).unwrap();
+        dome.set_paths("portals", &["/p", "/q"]).unwrap();
+        assert_eq!(*dome.light.portals, [LightId::new("/p"), LightId::new("/q")]);
+        dome.reset_parameters().unwrap();
+        assert!(dome.light.portals.is_empty());
+        let mut portal = new_light(&delegate, "/p", ffi::LightType::Other).unwrap();
+        portal.set_numbers("height", &[3.0]).unwrap();
+        portal.set_text(SHADER_ID, "PortalLight").unwrap();
+        assert_eq!((&portal.light.kind, portal.light.visible), (&LightKind::Portal { width: 1.0, height: 3.0 }, true));
+        portal.set_text(SHADER_ID, "SomebodysLight").unwrap();
+        assert!(!portal.light.visible && delegate.host().take_messages().len() == 1);
     }
 }

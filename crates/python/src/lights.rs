@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use umber_math::{DVec2, Rgb};
 use umber_scene::{
-    Camera, CameraId, ConformPolicy, DomeTexture, Light, LightId, LightKind, Material, MaterialId, OpacityMode,
-    PreviewSurface, Projection, SceneEdit,
+    Camera, CameraId, Category, ConformPolicy, DomeTexture, Light, LightId, LightKind, Material, MaterialId,
+    OpacityMode, PreviewSurface, Projection, SceneEdit,
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
@@ -33,6 +33,9 @@ pub struct PyLight<'py> {
     diffuse: f32,
     specular: f32,
     shadow_enable: bool,
+    portals: Vec<String>,
+    light_link: Option<String>,
+    shadow_link: Option<String>,
 }
 
 impl PyLight<'_> {
@@ -45,8 +48,10 @@ impl PyLight<'_> {
             }
             "rect" => LightKind::Rect { width: self.width, height: self.height },
             "sphere" => LightKind::Sphere { radius: self.radius, treat_as_point: self.treat_as_point },
+            "portal" => LightKind::Portal { width: self.width, height: self.height },
             other => return Err(bad_value(format!("unknown kind of light '{other}'"))),
         };
+        let category = |name: &Option<String>| name.as_deref().map(Category::new);
         let light = Light {
             world_from_light: transform(&self.transform, "transform")?,
             color: rgb(self.color),
@@ -57,6 +62,9 @@ impl PyLight<'_> {
             diffuse: self.diffuse,
             specular: self.specular,
             shadow_enable: self.shadow_enable,
+            portals: self.portals.iter().map(|path| LightId::new(path)).collect(),
+            light_link: category(&self.light_link),
+            shadow_link: category(&self.shadow_link),
             ..Light::new(kind)
         };
         Ok(SceneEdit::Light(LightId::new(&self.path), light))

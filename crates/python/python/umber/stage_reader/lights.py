@@ -15,6 +15,7 @@ KINDS = {
     "DistantLight": "distant",
     "DomeLight": "dome",
     "DomeLight_1": "dome",
+    "PortalLight": "portal",
     "RectLight": "rect",
     "SphereLight": "sphere",
 }
@@ -57,6 +58,8 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
 
     if light.kind == "distant":
         light.angle_deg = number("angle", light.angle_deg)
+    elif light.kind == "portal":
+        light.width, light.height = number("width", light.width), number("height", light.height)
     elif light.kind == "rect":
         light.width, light.height = number("width", light.width), number("height", light.height)
         if _texture_file(_input(reading, prim, "texture:file", None)):
@@ -65,10 +68,22 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.radius = number("radius", light.radius)
         light.treat_as_point = bool(reading.value(prim, "treatAsPoint"))
     else:
+        light.portals = _portals(reading, prim)
         light.texture_file = _texture_file(_input(reading, prim, "texture:file", None))
         mapping = _input(reading, prim, "texture:format", "automatic")
         if light.texture_file and mapping not in ("automatic", "latlong"):
             reading.warn(prim, f"texture format '{mapping}' is not supported; taken as latlong")
+
+
+def _portals(reading: Reading, prim: Usd.Prim) -> list[str]:
+    """Paths of a dome's portals, without those that are hidden."""
+
+    def is_hidden(path: Sdf.Path) -> bool:
+        portal = UsdGeom.Imageable(reading.stage.GetPrimAtPath(path))
+        return bool(portal) and portal.ComputeVisibility(reading.time) == UsdGeom.Tokens.invisible
+
+    targets = prim.GetRelationship("portals").GetForwardedTargets()
+    return [path.pathString for path in targets if not is_hidden(path)]
 
 
 def _texture_file(asset: Sdf.AssetPath | None) -> str | None:
