@@ -47,8 +47,19 @@ void HdUmberInstancer::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyB
             _SyncCategories(delegate);
         }
         _instancer->commit();
+        _synced = true;
     });
     *dirtyBits &= HdChangeTracker::Varying;
+}
+
+void HdUmberInstancer::UpdateCategories()
+{
+    if (_synced) {
+        HdUmberForward(GetId(), [&] {
+            _SyncCategories(GetDelegate());
+            _instancer->commit();
+        });
+    }
 }
 
 /// Native instances have categories each, point instancers one set for all of theirs.

@@ -51,7 +51,14 @@ HdResourceRegistrySharedPtr HdUmberRenderDelegate::GetResourceRegistry() const
     return _resourceRegistry;
 }
 
-void HdUmberRenderDelegate::CommitResources(HdChangeTracker *) {}
+void HdUmberRenderDelegate::CommitResources(HdChangeTracker *)
+{
+    if (_renderParam.TakeMembers()) {
+        for (HdUmberInstancer *instancer : _instancers) {
+            instancer->UpdateCategories();
+        }
+    }
+}
 
 // ---- settings, figures, AOVs ----
 
@@ -174,10 +181,11 @@ HdUmberRenderDelegate::CreateRenderPass(HdRenderIndex *index, HdRprimCollection 
 
 HdInstancer *HdUmberRenderDelegate::CreateInstancer(HdSceneDelegate *delegate, SdfPath const &id)
 {
-    HdInstancer *instancer = nullptr;
+    HdUmberInstancer *instancer = nullptr;
     HdUmberForward(id, [&] {
         instancer =
             new HdUmberInstancer(delegate, id, umber::new_instancer(*_delegate, HdUmberText(id)));
+        _instancers.insert(instancer);
     });
     return instancer;
 }
@@ -250,7 +258,11 @@ HdBprim *HdUmberRenderDelegate::CreateFallbackBprim(TfToken const &typeId)
     return CreateBprim(typeId, SdfPath());
 }
 
-void HdUmberRenderDelegate::DestroyInstancer(HdInstancer *instancer) { delete instancer; }
+void HdUmberRenderDelegate::DestroyInstancer(HdInstancer *instancer)
+{
+    _instancers.erase(static_cast<HdUmberInstancer *>(instancer));
+    delete instancer;
+}
 void HdUmberRenderDelegate::DestroyRprim(HdRprim *rprim) { delete rprim; }
 void HdUmberRenderDelegate::DestroySprim(HdSprim *sprim) { delete sprim; }
 void HdUmberRenderDelegate::DestroyBprim(HdBprim *bprim) { delete bprim; }

@@ -1,10 +1,11 @@
 #include "sceneIndexPlugins.h"
 
+#include "lightLinking.h"
+
 #include "pxr/imaging/hd/retainedDataSource.h"
 #include "pxr/imaging/hd/sceneIndexPluginRegistry.h"
 #include "pxr/imaging/hd/tokens.h"
 #include "pxr/imaging/hdsi/implicitSurfaceSceneIndex.h"
-#include "pxr/imaging/hdsi/lightLinkingSceneIndex.h"
 #include "pxr/imaging/hdsi/nurbsApproximatingSceneIndex.h"
 #include "pxr/imaging/hdsi/tetMeshConversionSceneIndex.h"
 
@@ -50,7 +51,7 @@ HdSceneIndexBaseRefPtr HdUmber_ImplicitSurfaceSceneIndexPlugin::_AppendSceneInde
 HdSceneIndexBaseRefPtr HdUmber_LightLinkingSceneIndexPlugin::_AppendSceneIndex(
     HdSceneIndexBaseRefPtr const &inputScene, HdContainerDataSourceHandle const &inputArgs)
 {
-    return HdsiLightLinkingSceneIndex::New(inputScene, inputArgs);
+    return HdUmberResolveLightLinking(inputScene, inputArgs);
 }
 
 HdSceneIndexBaseRefPtr HdUmber_NurbsSceneIndexPlugin::_AppendSceneIndex(

@@ -80,3 +80,10 @@ def test_the_delegate_without_portals_gives_the_same_mean(tmp_path: Path) -> Non
     blocks = [picture.reshape(8, -1, 8, 12, 3).mean(axis=(1, 3, 4)) for picture in (hydra, usd_core)]
     np.testing.assert_allclose(blocks[0], blocks[1], rtol=0.1)
     assert abs(hydra.mean() / usd_core.mean() - 1.0) < 0.02
+
+
+@pytest.mark.parametrize("scene_indices", [False, True])
+def test_edits_of_links_show(scene_indices: bool) -> None:
+    """After each edit an engine shows what a new one does."""
+    environment = {**os.environ, SCENE_INDICES: str(int(scene_indices))}
+    run([sys.executable, HERE / "relink.py", LINKING], environment)

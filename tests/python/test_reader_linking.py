@@ -51,7 +51,8 @@ def test_collections_with_the_same_members_are_one(read: Read) -> None:
 
 
 def test_expressions_link_too(read: Read) -> None:
-    scene = read(MESHES + linked("one", "lightLink", 'bool LINK:includeRoot = 0\npathExpression LINK:membershipExpression = "//c"'))
+    members = 'bool LINK:includeRoot = 0\npathExpression LINK:membershipExpression = "//c"'
+    scene = read(MESHES + linked("one", "lightLink", members))
     assert [len(mesh.categories) for mesh in scene.meshes.values()] == [0, 0, 1]
 
 
