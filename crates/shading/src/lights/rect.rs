@@ -144,9 +144,9 @@ impl RectLight {
     /// How large it looks from a point, about, as a solid angle; zero where none of its light arrives.
     #[inline]
     pub(crate) fn apparent_size(&self, p: Point3) -> f32 {
-        let to_point = p.0.as_dvec3() - (self.corner + (self.edges[0] + self.edges[1]) * 0.5);
+        let to_point = p.0.as_dvec3() - self.center;
         let height = to_point.dot(self.normal);
-        let radius_squared = 0.25 * (self.edges[0].length_squared() + self.edges[1].length_squared());
+        let radius_squared = 0.25 * self.diagonal_squared;
         let softened = to_point.length_squared() + radius_squared;
         // low above its plane the far side counts as well
         let size = self.area * (height + 0.5 * radius_squared.sqrt()) / (softened * softened.sqrt());
