@@ -191,7 +191,7 @@ fn only_linked_things_cast_shadows() {
         LightKind::Dome { texture: None },
     ];
     for kind in kinds {
-        let render = |edit: fn(Light) -> Light, with_cube| floor(256, edit, kind.clone(), with_cube);
+        let render = |edit: fn(Light) -> Light, with_cube| floor(128, edit, kind.clone(), with_cube);
         let (open, shadowed) = (render(|l| l, false), render(|l| l, true));
         let close = |got: f32, want: f32| (got / want - 1.0).abs() < 0.01;
         assert!(shadowed < 0.93 * open, "the cube casts no shadow: {kind:?}");
