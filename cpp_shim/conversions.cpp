@@ -110,6 +110,26 @@ rust::Str HdUmberText(TfToken const &token)
     return {token.GetString().data(), token.size()};
 }
 
+std::vector<rust::Str> HdUmberTexts(VtTokenArray const &tokens)
+{
+    std::vector<rust::Str> texts;
+    texts.reserve(tokens.size());
+    for (TfToken const &token : tokens) {
+        texts.push_back(HdUmberText(token));
+    }
+    return texts;
+}
+
+std::vector<rust::Str> HdUmberTexts(SdfPathVector const &paths)
+{
+    std::vector<rust::Str> texts;
+    texts.reserve(paths.size());
+    for (SdfPath const &path : paths) {
+        texts.push_back(HdUmberText(path));
+    }
+    return texts;
+}
+
 #define UMBER_FORMATS(APPLY)                                                                       \
     APPLY(UNorm8) APPLY(UNorm8Vec2) APPLY(UNorm8Vec3) APPLY(UNorm8Vec4)                            \
     APPLY(Float16) APPLY(Float16Vec2) APPLY(Float16Vec3) APPLY(Float16Vec4)                        \

@@ -44,6 +44,14 @@ rust::Str HdUmberText(SdfPath const &path);
 /// A token's text.
 rust::Str HdUmberText(TfToken const &token);
 
+/// Texts of tokens and paths, for as long as these stand.
+std::vector<rust::Str> HdUmberTexts(VtTokenArray const &tokens);
+std::vector<rust::Str> HdUmberTexts(SdfPathVector const &paths);
+inline rust::Slice<const rust::Str> HdUmberSlice(std::vector<rust::Str> const &texts)
+{
+    return {texts.data(), texts.size()};
+}
+
 /// Ints of an array, without a copy.
 inline rust::Slice<const int32_t> HdUmberSlice(VtIntArray const &array)
 {

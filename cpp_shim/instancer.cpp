@@ -17,6 +17,11 @@ HdUmberInstancer::HdUmberInstancer(HdSceneDelegate *delegate, SdfPath const &id,
 {
 }
 
+HdDirtyBits HdUmberInstancer::GetInitialDirtyBitsMask() const
+{
+    return HdInstancer::GetInitialDirtyBitsMask() | HdChangeTracker::DirtyCategories;
+}
+
 void HdUmberInstancer::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits *dirtyBits)
 {
     SdfPath const &id = GetId();
@@ -38,9 +43,36 @@ void HdUmberInstancer::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyB
         if (HdChangeTracker::IsVisibilityDirty(*dirtyBits, id)) {
             _instancer->set_visible(delegate->GetVisible(id));
         }
+        if (*dirtyBits & (HdChangeTracker::DirtyCategories | HdChangeTracker::DirtyInstanceIndex)) {
+            _SyncCategories(delegate);
+        }
         _instancer->commit();
+        _synced = true;
     });
     *dirtyBits &= HdChangeTracker::Varying;
+}
+
+void HdUmberInstancer::UpdateCategories()
+{
+    if (_synced) {
+        HdUmberForward(GetId(), [&] {
+            _SyncCategories(GetDelegate());
+            _instancer->commit();
+        });
+    }
+}
+
+/// Native instances have categories each, point instancers one set for all of theirs.
+void HdUmberInstancer::_SyncCategories(HdSceneDelegate *delegate)
+{
+    _instancer->clear_categories();
+    std::vector<VtTokenArray> sets = delegate->GetInstanceCategories(GetId());
+    if (sets.empty()) {
+        sets.push_back(delegate->GetCategories(GetId()));
+    }
+    for (VtTokenArray const &set : sets) {
+        _instancer->add_categories(HdUmberSlice(HdUmberTexts(set)));
+    }
 }
 
 void HdUmberInstancer::Finalize(HdRenderParam *param)

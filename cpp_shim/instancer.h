@@ -15,11 +15,18 @@ public:
     HdUmberInstancer(HdSceneDelegate *delegate, SdfPath const &id,
                      rust::Box<umber::Instancer> instancer);
 
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
     void Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits) override;
     void Finalize(HdRenderParam *param) override;
 
+    /// Asks for the categories again, which a change of others' collections may have changed.
+    void UpdateCategories();
+
 private:
+    void _SyncCategories(HdSceneDelegate *delegate);
+
     rust::Box<umber::Instancer> _instancer;
+    bool _synced = false;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,9 +1,11 @@
 #include "light.h"
 
 #include "conversions.h"
+#include "renderParam.h"
 #include "report.h"
 
 #include "pxr/imaging/hd/sceneDelegate.h"
+#include "pxr/imaging/hd/tokens.h"
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -13,7 +15,7 @@ HdUmberLight::HdUmberLight(SdfPath const &id, rust::Box<umber::Light> light)
 {
 }
 
-void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits *dirtyBits)
+void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits)
 {
     if (*dirtyBits == Clean) {
         return;
@@ -24,7 +26,11 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits 
         }
         if (*dirtyBits & ~DirtyTransform) {
             _light->set_visible(delegate->GetVisible(GetId()));
+            bool const wasLinked = _linked;
             _SyncParameters(delegate);
+            if ((*dirtyBits & DirtyCollection) && (_linked || wasLinked)) {
+                static_cast<HdUmberRenderParam *>(param)->NoteMembers();
+            }
         }
         _light->commit();
     });
@@ -34,11 +40,17 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits 
 void HdUmberLight::_SyncParameters(HdSceneDelegate *delegate)
 {
     _light->reset_parameters();
+    auto const isLinked = [&](TfToken const &link) {
+        return !delegate->GetLightParamValue(GetId(), link).GetWithDefault(TfToken()).IsEmpty();
+    };
+    _linked = isLinked(HdTokens->lightLink) || isLinked(HdTokens->shadowLink);
     for (rust::String const &name : umber::light_parameters()) {
         TfToken const parameter{std::string(name)};
         VtValue const value = delegate->GetLightParamValue(GetId(), parameter);
         HdUmberNumbers const numbers = HdUmberReadNumbers(value);
-        if (numbers.components > 0) {
+        if (value.IsHolding<SdfPathVector>()) {
+            _light->set_paths(name, HdUmberSlice(HdUmberTexts(value.UncheckedGet<SdfPathVector>())));
+        } else if (numbers.components > 0) {
             _light->set_numbers(name, numbers.Slice());
         } else if (!value.IsEmpty()) {
             _light->set_text(name, HdUmberReadText(value));

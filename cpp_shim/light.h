@@ -22,6 +22,8 @@ private:
     void _SyncParameters(HdSceneDelegate *delegate);
 
     rust::Box<umber::Light> _light;
+    /// Whether a link of it leaves anything out.
+    bool _linked = false;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -28,7 +28,8 @@ HdDirtyBits HdUmberMesh::GetInitialDirtyBitsMask() const
            HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyPrimvar |
            HdChangeTracker::DirtyNormals | HdChangeTracker::DirtyMaterialId |
            HdChangeTracker::DirtyPrimID | HdChangeTracker::DirtyInstancer |
-           HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag;
+           HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag |
+           HdChangeTracker::DirtyCategories;
 }
 
 void HdUmberMesh::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits *dirtyBits,
@@ -84,6 +85,10 @@ void HdUmberMesh::_SyncBinding(HdSceneDelegate *delegate, HdDirtyBits dirtyBits)
     }
     if (HdChangeTracker::IsPrimIdDirty(dirtyBits, id)) {
         _mesh->set_prim_id(GetPrimId());
+    }
+    if (dirtyBits & HdChangeTracker::DirtyCategories) {
+        VtTokenArray const categories = delegate->GetCategories(id);
+        _mesh->set_categories(HdUmberSlice(HdUmberTexts(categories)));
     }
 }
 

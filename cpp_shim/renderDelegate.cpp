@@ -51,7 +51,14 @@ HdResourceRegistrySharedPtr HdUmberRenderDelegate::GetResourceRegistry() const
     return _resourceRegistry;
 }
 
-void HdUmberRenderDelegate::CommitResources(HdChangeTracker *) {}
+void HdUmberRenderDelegate::CommitResources(HdChangeTracker *)
+{
+    if (_renderParam.TakeMembers()) {
+        for (HdUmberInstancer *instancer : _instancers) {
+            instancer->UpdateCategories();
+        }
+    }
+}
 
 // ---- settings, figures, AOVs ----
 
@@ -156,7 +163,7 @@ TfTokenVector const &HdUmberRenderDelegate::GetSupportedSprimTypes() const
         HdPrimTypeTokens->camera,         HdPrimTypeTokens->distantLight,
         HdPrimTypeTokens->domeLight,      HdPrimTypeTokens->rectLight,
         HdPrimTypeTokens->sphereLight,    HdPrimTypeTokens->diskLight,
-        HdPrimTypeTokens->cylinderLight,
+        HdPrimTypeTokens->cylinderLight,    HdPrimTypeTokens->light,
     };
     return types;
 }
@@ -175,10 +182,11 @@ HdUmberRenderDelegate::CreateRenderPass(HdRenderIndex *index, HdRprimCollection 
 
 HdInstancer *HdUmberRenderDelegate::CreateInstancer(HdSceneDelegate *delegate, SdfPath const &id)
 {
-    HdInstancer *instancer = nullptr;
+    HdUmberInstancer *instancer = nullptr;
     HdUmberForward(id, [&] {
         instancer =
             new HdUmberInstancer(delegate, id, umber::new_instancer(*_delegate, HdUmberText(id)));
+        _instancers.insert(instancer);
     });
     return instancer;
 }
@@ -222,6 +230,8 @@ HdSprim *HdUmberRenderDelegate::CreateSprim(TfToken const &typeId, SdfPath const
             sprim = light(umber::LightType::Disk);
         } else if (typeId == HdPrimTypeTokens->cylinderLight) {
             sprim = light(umber::LightType::Cylinder);
+        } else if (typeId == HdPrimTypeTokens->light) {
+            sprim = light(umber::LightType::Other);
         } else {
             TF_CODING_ERROR("Umber has no Sprim type %s", typeId.GetText());
         }
@@ -253,7 +263,11 @@ HdBprim *HdUmberRenderDelegate::CreateFallbackBprim(TfToken const &typeId)
     return CreateBprim(typeId, SdfPath());
 }
 
-void HdUmberRenderDelegate::DestroyInstancer(HdInstancer *instancer) { delete instancer; }
+void HdUmberRenderDelegate::DestroyInstancer(HdInstancer *instancer)
+{
+    _instancers.erase(static_cast<HdUmberInstancer *>(instancer));
+    delete instancer;
+}
 void HdUmberRenderDelegate::DestroyRprim(HdRprim *rprim) { delete rprim; }
 void HdUmberRenderDelegate::DestroySprim(HdSprim *sprim) { delete sprim; }
 void HdUmberRenderDelegate::DestroyBprim(HdBprim *bprim) { delete bprim; }

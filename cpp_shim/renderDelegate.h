@@ -7,7 +7,11 @@
 #include "pxr/pxr.h"
 #include "pxr/imaging/hd/renderDelegate.h"
 
+#include <set>
+
 PXR_NAMESPACE_OPEN_SCOPE
+
+class HdUmberInstancer;
 
 /// Makes the prims, and passes on settings, pauses and figures.
 class HdUmberRenderDelegate final : public HdRenderDelegate
@@ -66,6 +70,7 @@ private:
     HdResourceRegistrySharedPtr _resourceRegistry;
     HdRenderSettingDescriptorList _settingDescriptors;
     rust::Vec<umber::AovDescription> _aovs;
+    std::set<HdUmberInstancer *> _instancers;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -6,6 +6,8 @@
 #include "pxr/pxr.h"
 #include "pxr/imaging/hd/renderDelegate.h"
 
+#include <atomic>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// What Hydra hands to every sync: the delegate's Rust half.
@@ -16,8 +18,13 @@ public:
 
     umber::Delegate &GetDelegate() const { return _delegate; }
 
+    /// A light's collection may have other members: UsdImagingDelegate tells the members, but native instances.
+    void NoteMembers() { _membersChanged = true; }
+    bool TakeMembers() { return _membersChanged.exchange(false); }
+
 private:
     umber::Delegate &_delegate;
+    std::atomic<bool> _membersChanged{false};
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,5 +1,7 @@
 #include "sceneIndexPlugins.h"
 
+#include "lightLinking.h"
+
 #include "pxr/imaging/hd/retainedDataSource.h"
 #include "pxr/imaging/hd/sceneIndexPluginRegistry.h"
 #include "pxr/imaging/hd/tokens.h"
@@ -14,6 +16,7 @@ static char const *const _rendererDisplayName = "Umber";
 TF_REGISTRY_FUNCTION(TfType)
 {
     HdSceneIndexPluginRegistry::Define<HdUmber_ImplicitSurfaceSceneIndexPlugin>();
+    HdSceneIndexPluginRegistry::Define<HdUmber_LightLinkingSceneIndexPlugin>();
     HdSceneIndexPluginRegistry::Define<HdUmber_NurbsSceneIndexPlugin>();
     HdSceneIndexPluginRegistry::Define<HdUmber_TetMeshSceneIndexPlugin>();
 }
@@ -34,6 +37,7 @@ TF_REGISTRY_FUNCTION(HdSceneIndexPlugin)
                   HdPrimTypeTokens->sphere, toMesh, HdPrimTypeTokens->cube, toMesh,
                   HdPrimTypeTokens->cone, toMesh, HdPrimTypeTokens->cylinder, toMesh,
                   HdPrimTypeTokens->capsule, toMesh, HdPrimTypeTokens->plane, toMesh));
+    _Register("HdUmber_LightLinkingSceneIndexPlugin", nullptr);
     _Register("HdUmber_NurbsSceneIndexPlugin", nullptr);
     _Register("HdUmber_TetMeshSceneIndexPlugin", nullptr);
 }
@@ -42,6 +46,12 @@ HdSceneIndexBaseRefPtr HdUmber_ImplicitSurfaceSceneIndexPlugin::_AppendSceneInde
     HdSceneIndexBaseRefPtr const &inputScene, HdContainerDataSourceHandle const &inputArgs)
 {
     return HdsiImplicitSurfaceSceneIndex::New(inputScene, inputArgs);
+}
+
+HdSceneIndexBaseRefPtr HdUmber_LightLinkingSceneIndexPlugin::_AppendSceneIndex(
+    HdSceneIndexBaseRefPtr const &inputScene, HdContainerDataSourceHandle const &inputArgs)
+{
+    return HdUmberResolveLightLinking(inputScene, inputArgs);
 }
 
 HdSceneIndexBaseRefPtr HdUmber_NurbsSceneIndexPlugin::_AppendSceneIndex(

@@ -123,6 +123,8 @@ pub mod ffi {
         Sphere,
         Disk,
         Cylinder,
+        /// `light`: a portal, or nothing that Umber knows.
+        Other,
     }
 
     /// HdInterpolation.
@@ -213,6 +215,7 @@ pub mod ffi {
         fn reset_parameters(self: &mut Light) -> Result<()>;
         fn set_numbers(self: &mut Light, parameter: &str, numbers: &[f32]) -> Result<()>;
         fn set_text(self: &mut Light, parameter: &str, text: &str) -> Result<()>;
+        fn set_paths(self: &mut Light, parameter: &str, paths: &[&str]) -> Result<()>;
         fn commit(self: &Light) -> Result<()>;
         fn remove(self: &Light) -> Result<()>;
     }
@@ -244,6 +247,9 @@ pub mod ffi {
         /// One matrix an instance (row-major, row vectors), one after another.
         fn set_transforms(self: &mut Instancer, matrices: &[f64]) -> Result<()>;
         fn set_visible(self: &mut Instancer, visible: bool) -> Result<()>;
+        /// Begins the list of categories: one entry an instance, or one for all.
+        fn clear_categories(self: &mut Instancer) -> Result<()>;
+        fn add_categories(self: &mut Instancer, categories: &[&str]) -> Result<()>;
         fn commit(self: &mut Instancer) -> Result<()>;
         fn remove(self: &mut Instancer) -> Result<()>;
     }
@@ -283,6 +289,8 @@ pub mod ffi {
         /// The innermost instancer, or an empty path, and which of its instances show this mesh.
         fn set_instancer(self: &mut Mesh, path: &str, indices: &[i32]) -> Result<()>;
         fn set_prim_id(self: &mut Mesh, prim_id: i32) -> Result<()>;
+        /// Categories that lights' links name.
+        fn set_categories(self: &mut Mesh, categories: &[&str]) -> Result<()>;
         /// Sent at once where the mesh is known already: Hydra does not sync what no tag shows.
         fn set_render_tag(self: &mut Mesh, tag: &str) -> Result<()>;
         fn commit(self: &mut Mesh) -> Result<()>;

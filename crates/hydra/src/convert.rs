@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bytemuck::cast_slice;
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
-use umber_scene::{Interpolation, PrimvarValues};
+use umber_scene::{Category, Interpolation, PrimvarValues};
 
 use crate::bridge::ffi;
 
@@ -21,6 +21,14 @@ pub fn affine(m: &[f64]) -> DAffine3 {
 /// Transforms of matrices that follow each other.
 pub fn affines(m: &[f64]) -> Arc<[DAffine3]> {
     m.chunks_exact(MATRIX).map(affine).collect()
+}
+
+/// A set of categories, in an order that does not depend on Hydra's.
+pub fn categories(names: &[&str]) -> Arc<[Category]> {
+    let mut set: Vec<Category> = names.iter().map(|name| Category::new(name)).collect();
+    set.sort_unstable();
+    set.dedup();
+    set.into()
 }
 
 /// Triples of numbers that follow each other.

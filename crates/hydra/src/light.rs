@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use umber_math::{DAffine3, Rgb};
 use umber_render::Message;
-use umber_scene::{DomeTexture, DomeTextureFormat, LightId, LightKind, SceneEdit};
+use umber_scene::{Category, DomeTexture, DomeTextureFormat, LightId, LightKind, SceneEdit};
 
 use crate::bridge::ffi;
 use crate::convert::affine;
@@ -14,7 +14,7 @@ use crate::host::Host;
 use crate::light_apis;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
-const PARAMETERS: [&str; 18] = [
+const PARAMETERS: [&str; 22] = [
     "color",
     "intensity",
     "exposure",
@@ -33,7 +33,12 @@ const PARAMETERS: [&str; 18] = [
     "treatAsLine",
     "texture:file",
     "texture:format",
+    "lightLink",
+    "shadowLink",
+    "portals",
+    SHADER_ID,
 ];
+const SHADER_ID: &str = "light:shaderId";
 
 /// UsdLux' fallback of `inputs:colorTemperature`.
 const DAYLIGHT_KELVIN: f32 = 6500.0;
@@ -65,6 +70,7 @@ fn kind(light_type: ffi::LightType) -> LightKind {
         ffi::LightType::Rect => LightKind::Rect { width: 1.0, height: 1.0 },
         ffi::LightType::Disk => LightKind::Disk { radius: 0.5 },
         ffi::LightType::Cylinder => LightKind::Cylinder { length: 1.0, radius: 0.5, treat_as_line: false },
+        ffi::LightType::Other => LightKind::Portal { width: 1.0, height: 1.0 },
         _ => LightKind::Sphere { radius: 0.5, treat_as_point: false },
     }
 }
@@ -148,8 +154,25 @@ impl Light {
                     DomeTextureFormat::Automatic
                 });
             }
+            "lightLink" => self.light.light_link = (!text.is_empty()).then(|| Category::new(text)),
+            "shadowLink" => self.light.shadow_link = (!text.is_empty()).then(|| Category::new(text)),
+            SHADER_ID => {
+                if matches!(self.light.kind, LightKind::Portal { .. }) && text != "PortalLight" {
+                    let text = format!("lights of this type are not supported; left out ({text})");
+                    self.host.say(Message::warning(Some(self.id.path()), text));
+                    self.light.visible = false;
+                }
+            }
             _ => {
                 light_apis::set_text(&mut self.light, parameter, text);
+            }
+        })
+    }
+
+    pub fn set_paths(&mut self, parameter: &str, paths: &[&str]) -> Outcome {
+        guard(|| {
+            if parameter == "portals" {
+                self.light.portals = paths.iter().map(|path| LightId::new(path)).collect();
             }
         })
     }
@@ -182,8 +205,8 @@ impl Light {
 fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
     match (kind, parameter) {
         (LightKind::Distant { angle_deg }, "angle") => *angle_deg = number,
-        (LightKind::Rect { width, .. }, "width") => *width = number,
-        (LightKind::Rect { height, .. }, "height") => *height = number,
+        (LightKind::Rect { width, .. } | LightKind::Portal { width, .. }, "width") => *width = number,
+        (LightKind::Rect { height, .. } | LightKind::Portal { height, .. }, "height") => *height = number,
         (LightKind::Sphere { radius, .. }, "radius") => *radius = number,
         (LightKind::Sphere { treat_as_point, .. }, "treatAsPoint") => *treat_as_point = number != 0.0,
         (LightKind::Disk { radius } | LightKind::Cylinder { radius, .. }, "radius") => *radius = number,
@@ -217,6 +240,10 @@ mod tests {
         assert_eq!((shaping.cone_angle_deg, shaping.focus_tint), (30.0, Rgb::new(0.5, 0.25, 0.0)));
         assert!(shaping.ies_file.as_deref() == Some("lamp.ies".as_ref()) && shaping.ies_normalize);
         assert_eq!(light.light.shadow.falloff, 2.0);
+        light.set_text("lightLink", "/l.collection:lightLink").unwrap();
+        light.set_text("shadowLink", "").unwrap();
+        assert_eq!(light.light.light_link, Some(Category::new("/l.collection:lightLink")));
+        assert_eq!(light.light.shadow_link, None);
         light.set_visible(false).unwrap();
         light.reset_parameters().unwrap();
         assert_eq!(light.light.kind, light.fallback);
@@ -287,5 +314,21 @@ mod tests {
         assert_eq!((image(DVec3::Y), image(DVec3::Z), image(DVec3::X)), (DVec3::Z, DVec3::X, DVec3::Y));
         dome.reset_parameters().unwrap();
         assert_eq!(dome.described().world_from_light.transform_vector3(DVec3::Y), DVec3::NEG_X);
+    }
+
+    #[test]
+    fn portals_and_domes_that_name_them() {
+        let delegate = new_delegate().unwrap();
+        let mut dome = new_light(&delegate, "/d", ffi::LightType::Dome).unwrap();
+        dome.set_paths("portals", &["/p", "/q"]).unwrap();
+        assert_eq!(*dome.light.portals, [LightId::new("/p"), LightId::new("/q")]);
+        dome.reset_parameters().unwrap();
+        assert!(dome.light.portals.is_empty());
+        let mut portal = new_light(&delegate, "/p", ffi::LightType::Other).unwrap();
+        portal.set_numbers("height", &[3.0]).unwrap();
+        portal.set_text(SHADER_ID, "PortalLight").unwrap();
+        assert_eq!((&portal.light.kind, portal.light.visible), (&LightKind::Portal { width: 1.0, height: 3.0 }, true));
+        portal.set_text(SHADER_ID, "SomebodysLight").unwrap();
+        assert!(!portal.light.visible && delegate.host().take_messages().len() == 1);
     }
 }

@@ -9,7 +9,7 @@ use umber_scene::{
 };
 
 use crate::bridge::ffi;
-use crate::convert::{affine, interpolation, primvar_values, triples};
+use crate::convert::{affine, categories, interpolation, primvar_values, triples};
 use crate::delegate::Delegate;
 use crate::frame::purpose;
 use crate::guard::{Outcome, guard, guard_refusal};
@@ -160,6 +160,10 @@ impl Mesh {
 
     pub fn set_prim_id(&mut self, prim_id: i32) -> Outcome {
         guard(|| self.patch.prim_id = Some(prim_id))
+    }
+
+    pub fn set_categories(&mut self, names: &[&str]) -> Outcome {
+        guard(|| self.patch.categories = Some(categories(names)))
     }
 
     pub fn set_render_tag(&mut self, tag: &str) -> Outcome {

@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use umber_math::{DVec2, Rgb};
 use umber_scene::{
-    Camera, CameraId, ConformPolicy, DomeTexture, DomeTextureFormat, Light, LightId, LightKind, Material, MaterialId,
-    OpacityMode, PreviewSurface, Projection, SceneEdit,
+    Camera, CameraId, Category, ConformPolicy, DomeTexture, DomeTextureFormat, Light, LightId, LightKind, Material,
+    MaterialId, OpacityMode, PreviewSurface, Projection, SceneEdit,
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
@@ -39,6 +39,9 @@ pub struct PyLight<'py> {
     shadow_enable: bool,
     shaping: PyShaping,
     shadow: PyShadow,
+    portals: Vec<String>,
+    light_link: Option<String>,
+    shadow_link: Option<String>,
 }
 
 impl PyLight<'_> {
@@ -58,8 +61,10 @@ impl PyLight<'_> {
             "cylinder" => {
                 LightKind::Cylinder { length: self.length, radius: self.radius, treat_as_line: self.treat_as_line }
             }
+            "portal" => LightKind::Portal { width: self.width, height: self.height },
             other => return Err(bad_value(format!("unknown kind of light '{other}'"))),
         };
+        let category = |name: &Option<String>| name.as_deref().map(Category::new);
         let light = Light {
             texture_file: self.texture_file.as_ref().filter(|_| self.kind == "rect").map(Into::into),
             world_from_light: transform(&self.transform, "transform")?,
@@ -73,6 +78,9 @@ impl PyLight<'_> {
             shadow_enable: self.shadow_enable,
             shaping: self.shaping.convert(),
             shadow: self.shadow.convert(),
+            portals: self.portals.iter().map(|path| LightId::new(path)).collect(),
+            light_link: category(&self.light_link),
+            shadow_link: category(&self.shadow_link),
             ..Light::new(kind)
         };
         Ok(SceneEdit::Light(LightId::new(&self.path), light))

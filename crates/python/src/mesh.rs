@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3, Vec4};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use umber_scene::{
-    GeomSubset, InstancerId, InstancerPatch, Interpolation, MaterialId, MeshId, MeshPatch, Orientation, Primvar,
-    PrimvarValues, Purpose, SceneEdit, SubdivisionScheme, Topology,
+    Category, GeomSubset, InstancerId, InstancerPatch, Interpolation, MaterialId, MeshId, MeshPatch, Orientation,
+    Primvar, PrimvarValues, Purpose, SceneEdit, SubdivisionScheme, Topology,
 };
 
 use crate::arrays::{Doubles, Floats, Ints, bad_value, ints, scalars, transform, transforms, vectors};
@@ -47,6 +47,7 @@ pub struct PyMesh<'py> {
     instancer: Option<String>,
     instance_indices: Ints<'py>,
     prim_id: i32,
+    categories: Vec<String>,
 }
 
 /// `umber.description.Instancer`.
@@ -56,6 +57,11 @@ pub struct PyInstancer<'py> {
     parent: Option<String>,
     parent_indices: Ints<'py>,
     transforms: Doubles<'py>,
+    categories: Vec<Vec<String>>,
+}
+
+fn categories(names: &Vec<String>) -> Arc<[Category]> {
+    names.iter().map(|name| Category::new(name)).collect()
 }
 
 impl PyPrimvar<'_> {
@@ -142,6 +148,7 @@ impl PyMesh<'_> {
             instancer: Some(self.instancer.as_deref().map(InstancerId::new)),
             instance_indices: Some(ints(&self.instance_indices, "instance_indices")?),
             prim_id: Some(self.prim_id),
+            categories: Some(categories(&self.categories)),
         };
         Ok(SceneEdit::Mesh(MeshId::new(&self.path), Box::new(patch)))
     }
@@ -155,6 +162,7 @@ impl PyInstancer<'_> {
             parent_indices: Some(ints(&self.parent_indices, "parent_indices")?),
             transforms: Some(transforms(&self.transforms, "transforms")?),
             visible: Some(true),
+            categories: Some(self.categories.iter().map(categories).collect()),
         };
         Ok(SceneEdit::Instancer(InstancerId::new(&self.path), patch))
     }

@@ -3,6 +3,7 @@
 mod instances;
 mod lights;
 mod materials;
+mod membership;
 mod mesh;
 mod profiles;
 
@@ -16,9 +17,11 @@ use umber_math::{DAffine3, DVec3};
 use umber_scene::{Dirty, MaterialId, Mesh, MeshDirty, MeshId, SceneStore};
 
 pub use instances::InstanceNumber;
+pub use membership::Membership;
 
 use crate::camera::RenderCamera;
 use crate::light_set::LightSet;
+use crate::linking::Linking;
 use crate::material::RenderMaterial;
 use crate::mesh::{MeshAttributes, MeshShape, RenderMesh};
 use crate::scene::RenderScene;
@@ -50,6 +53,7 @@ struct TopLevel {
     bvh: Arc<InstanceBvh>,
     numbers: Arc<[InstanceNumber]>,
     instance_count: u64,
+    membership: Option<Membership>,
     /// Meshes by their index in the hierarchy.
     shown: Vec<MeshId>,
 }
@@ -65,6 +69,7 @@ pub struct Compiler {
     render_materials: Arc<[RenderMaterial]>,
     lights: LightCompiler,
     light_set: Arc<LightSet>,
+    linking: Option<Arc<Linking>>,
     said: HashSet<Message>,
     built: Built,
 }
@@ -126,9 +131,9 @@ impl Compiler {
 
         self.compile_meshes(store, cancel, warn)?;
         let dirty = std::mem::take(&mut self.pending);
-        let placed_anew = dirty.meshes.values().any(|d| d.topology || d.points || d.placement);
+        let placed_anew = dirty.meshes.values().any(|d| d.topology || d.points || d.placement || d.links);
         let elsewhere = self.top.as_ref().is_none_or(|top| top.origin != origin);
-        let top_stale = elsewhere || dirty.instancers || dirty.purposes || placed_anew;
+        let top_stale = elsewhere || dirty.instancers || dirty.instancer_links || dirty.purposes || placed_anew;
         if top_stale {
             self.place(store, origin, warn);
         }
@@ -140,7 +145,10 @@ impl Compiler {
         }
         if !dirty.lights.is_empty() || top_stale {
             let bounds = self.top.as_ref().map(|t| t.bvh.bounds()).unwrap_or_default();
-            self.light_set = Arc::new(self.lights.compile(store.lights(), render_from_world, bounds, warn));
+            let (light_set, links) = self.lights.compile(store.lights(), render_from_world, bounds, warn);
+            let membership = self.top.as_ref().and_then(|top| top.membership.as_ref());
+            self.linking = Linking::new(membership, &links, &light_set).map(Arc::new);
+            self.light_set = Arc::new(light_set);
         }
         Ok(self.scene(render_camera, store))
     }
@@ -161,6 +169,7 @@ impl Compiler {
             meshes: Arc::clone(&self.render_meshes),
             materials: Arc::clone(&self.render_materials),
             lights: Arc::clone(&self.light_set),
+            linking: self.linking.clone(),
             partly_present,
         }
     }
@@ -248,6 +257,7 @@ impl Compiler {
             bvh: Arc::new(placed.top),
             numbers: placed.numbers.into(),
             instance_count: placed.instance_count,
+            membership: placed.membership,
             shown: shown.iter().map(|m| m.id.clone()).collect(),
         });
     }
@@ -277,6 +287,7 @@ fn merge(pending: &mut Dirty, new: Dirty) {
         pending.meshes.entry(id).or_default().merge(what);
     }
     pending.instancers |= new.instancers;
+    pending.instancer_links |= new.instancer_links;
     pending.camera |= new.camera;
     pending.lights.extend(new.lights);
     pending.materials.extend(new.materials);

@@ -10,6 +10,7 @@ mod film;
 mod format;
 mod integrator;
 mod light_set;
+mod linking;
 mod material;
 mod mesh;
 mod message;

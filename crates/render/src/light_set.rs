@@ -16,6 +16,8 @@ pub struct LightSet {
     shapes_bvh: BoundsBvh,
     /// Lights that rays meet when they leave the scene.
     infinite: Vec<u32>,
+    /// Radius of a sphere around the scene, as the samplers want it.
+    scene_radius: f32,
 }
 
 /// A ray's hit with a light.
@@ -43,8 +45,9 @@ impl LightSet {
         let infinite = numbered().filter(|(l, _)| l.is_infinite() && !l.is_delta()).map(|l| l.1).collect();
         let all = boxes.iter().fold(scene_bounds, |a, b| a.union(*b));
         let radius = 0.5 * all.size().length();
-        let sampler = LightSampler::new(&lights, if radius.is_finite() { radius } else { 1.0 });
-        Self { shapes_bvh: BoundsBvh::build(&boxes), sampler, shapes, infinite, lights }
+        let scene_radius = if radius.is_finite() { radius } else { 1.0 };
+        let sampler = LightSampler::new(&lights, scene_radius);
+        Self { shapes_bvh: BoundsBvh::build(&boxes), sampler, shapes, infinite, lights, scene_radius }
     }
 
     /// All lights, by index.
@@ -54,6 +57,11 @@ impl LightSet {
     /// Lights that rays meet when they leave the scene.
     pub fn infinite(&self) -> &[u32] {
         &self.infinite
+    }
+    /// A sampler over some of the lights alone; it numbers them by their place in the list.
+    pub fn sampler_of(&self, lights: &[u32]) -> LightSampler {
+        let chosen: Vec<Light> = lights.iter().map(|light| self.lights[*light as usize].clone()).collect();
+        LightSampler::new(&chosen, self.scene_radius)
     }
     /// Chooses a light for a point: its index and the probability of the choice.
     #[inline]
@@ -69,13 +77,19 @@ impl LightSet {
     /// The nearest light shape on a ray. A side that does not emit is black; the camera looks through it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, camera: bool) -> Option<ShapeHit> {
+        self.intersect_among(ray, camera, |_| true)
+    }
+
+    /// As [`intersect`](Self::intersect), among some lights: the others are not there.
+    #[inline]
+    pub fn intersect_among(&self, ray: &Ray, camera: bool, among: impl Fn(u32) -> bool) -> Option<ShapeHit> {
         if self.shapes.is_empty() {
             return None;
         }
         let mut nearest: Option<ShapeHit> = None;
         self.each_shape(ray, |index, t_max| {
             let light = &self.lights[index as usize];
-            if camera && !light.camera_visible() {
+            if camera && !light.camera_visible() || !among(index) {
                 return None;
             }
             let hit = light.intersect(&Ray { t_max, ..*ray })?;
@@ -91,12 +105,18 @@ impl LightSet {
     /// Whether a light shape other than `target` lies on a ray.
     #[inline]
     pub fn occluded(&self, ray: &Ray, target: u32) -> bool {
+        self.occluded_among(ray, target, |_| true)
+    }
+
+    /// As [`occluded`](Self::occluded), among some lights: the others are not there.
+    #[inline]
+    pub fn occluded_among(&self, ray: &Ray, target: u32, among: impl Fn(u32) -> bool) -> bool {
         if self.shapes.is_empty() || self.shapes[..] == [target] {
             return false;
         }
         let mut occluded = false;
         self.each_shape(ray, |index, t_max| {
-            if occluded || index == target {
+            if occluded || index == target || !among(index) {
                 return None;
             }
             let ray = Ray { t_max, ..*ray };
@@ -120,11 +140,11 @@ impl LightSet {
         }
     }
 
-    /// The distance along a ray to the nearest light shape other than `target`.
-    pub fn nearest_occluder(&self, ray: &Ray, target: u32) -> Option<f32> {
+    /// The distance along a ray to the nearest light shape other than `target`, among some lights.
+    pub fn nearest_occluder(&self, ray: &Ray, target: u32, among: impl Fn(u32) -> bool) -> Option<f32> {
         let mut nearest = None;
         self.each_shape(ray, |index, t_max| {
-            if index == target {
+            if index == target || !among(index) {
                 return None;
             }
             nearest = self.lights[index as usize].intersect(&Ray { t_max, ..*ray }).map(|hit| hit.t).or(nearest);

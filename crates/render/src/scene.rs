@@ -10,6 +10,7 @@ use umber_settings::Settings;
 use crate::camera::RenderCamera;
 use crate::compile::InstanceNumber;
 use crate::light_set::LightSet;
+use crate::linking::Linking;
 use crate::material::RenderMaterial;
 use crate::mesh::RenderMesh;
 use crate::surface;
@@ -33,12 +34,14 @@ pub struct RenderScene {
     pub materials: Arc<[RenderMaterial]>,
     /// Lights.
     pub lights: Arc<LightSet>,
+    /// Which lights reach what, where not all reach all.
+    pub linking: Option<Arc<Linking>>,
     /// Whether any surface may let rays pass: where none does, nobody asks.
     pub partly_present: bool,
 }
 
 /// Rays that went through surfaces which are not there end after so many of them.
-const MAX_PASSES: u32 = 1024;
+pub(crate) const MAX_PASSES: u32 = 1024;
 
 impl RenderScene {
     /// The nearest surface on a ray that is there. `chance(n)` gives the n-th number in [0, 1) that
@@ -103,12 +106,13 @@ impl RenderScene {
     }
 
     /// Calls `meet` with the distance and the presence of each surface on a ray, the nearest first, until it says
-    /// that it has seen enough. Counts rays.
-    pub fn occluders(&self, mut ray: Ray, rays: &mut u64, mut meet: impl FnMut(f32, f32) -> bool) {
+    /// that it has seen enough; of those that cast shadows in a light. Counts rays.
+    pub fn occluders(&self, mut ray: Ray, light: u32, rays: &mut u64, mut meet: impl FnMut(f32, f32) -> bool) {
         for _ in 0..MAX_PASSES {
             *rays += 1;
             let Some(hit) = self.top.closest_hit(&ray) else { return };
-            if !meet(hit.t, if self.partly_present { surface::presence(self, &hit) } else { 1.0 }) {
+            let presence = || if self.partly_present { surface::presence(self, &hit) } else { 1.0 };
+            if self.casts_shadow(&hit, light) && !meet(hit.t, presence()) {
                 return;
             }
             ray.t_min = hit.t;

@@ -5,6 +5,7 @@ use umber_geometry::{SurfacePoint, surface_point};
 use umber_math::{Frame, Normal3, Rgb, Vec2, Vec3, Vector3};
 use umber_shading::{Bsdf, Lobes};
 
+use crate::linking::Links;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
 
@@ -20,6 +21,8 @@ pub struct SurfaceInteraction {
     pub shading_normal: Normal3,
     /// Emitted radiance.
     pub emission: Rgb,
+    /// Which lights reach it.
+    pub links: Links,
     lobes: Lobes,
 }
 
@@ -39,7 +42,8 @@ impl SurfaceInteraction {
         };
         let material = scene.materials.get(mesh.material_of(hit.triangle) as usize);
         let lobes = material.and_then(|m| m.lobes).unwrap_or_else(|| Lobes::lambert(display_color(mesh, hit)));
-        Self { at, shading_normal: shading, emission: material.map_or(Rgb::BLACK, |m| m.emission), lobes }
+        let (emission, links) = (material.map_or(Rgb::BLACK, |m| m.emission), scene.links_at(hit));
+        Self { at, shading_normal: shading, emission, links, lobes }
     }
 
     /// Its reflection towards `wo`, unit.

@@ -17,11 +17,14 @@ pub struct MeshDirty {
     pub placement: bool,
     /// Material, sidedness, ids: no BVH is stale.
     pub binding: bool,
+    /// Categories: which lights reach it, and are shadowed by it.
+    pub links: bool,
 }
 
 impl MeshDirty {
     /// All of it.
-    pub const ALL: Self = Self { topology: true, points: true, attributes: true, placement: true, binding: true };
+    pub const ALL: Self =
+        Self { topology: true, points: true, attributes: true, placement: true, binding: true, links: true };
 
     /// Whether anything changed.
     pub fn any(self) -> bool {
@@ -35,6 +38,7 @@ impl MeshDirty {
         self.attributes |= o.attributes;
         self.placement |= o.placement;
         self.binding |= o.binding;
+        self.links |= o.links;
     }
 }
 
@@ -46,6 +50,8 @@ pub struct Dirty {
     pub meshes: BTreeMap<MeshId, MeshDirty>,
     /// Any instancer.
     pub instancers: bool,
+    /// Categories of any instancer's instances.
+    pub instancer_links: bool,
     /// The camera in use, or which one it is.
     pub camera: bool,
     /// Lights.

@@ -56,3 +56,8 @@ path_id! {
     /// A material.
     MaterialId
 }
+path_id! {
+    /// A category of light linking: what the host calls the collection of a light's, or of several that have the same
+    /// members. Light and shadow links name one; what belongs to it carries it.
+    Category
+}

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use umber_math::DAffine3;
 
-use crate::InstancerId;
 use crate::mesh::assign;
+use crate::{Category, InstancerId};
 
 /// An instancer as the host has described it so far.
 ///
@@ -21,11 +21,20 @@ pub struct Instancer {
     pub transforms: Arc<[DAffine3]>,
     /// Whether it is shown at all.
     pub visible: bool,
+    /// Categories of each instance; a list of one counts for all instances, an empty one says none. Those of the
+    /// outermost instancer count, whatever it instances.
+    pub categories: Arc<[Arc<[Category]>]>,
 }
 
 impl Default for Instancer {
     fn default() -> Self {
-        Self { parent: None, parent_indices: Arc::default(), transforms: Arc::default(), visible: true }
+        Self {
+            parent: None,
+            parent_indices: Arc::default(),
+            transforms: Arc::default(),
+            visible: true,
+            categories: Arc::default(),
+        }
     }
 }
 
@@ -40,15 +49,33 @@ pub struct InstancerPatch {
     pub transforms: Option<Arc<[DAffine3]>>,
     /// See [`Instancer::visible`].
     pub visible: Option<bool>,
+    /// See [`Instancer::categories`].
+    pub categories: Option<Arc<[Arc<[Category]>]>>,
+}
+
+/// What changed in an instancer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InstancerChange {
+    /// Where its instances stand, or whether they are shown.
+    pub placement: bool,
+    /// Their categories.
+    pub links: bool,
+}
+
+impl InstancerChange {
+    /// Whether anything changed.
+    pub fn any(self) -> bool {
+        self.placement || self.links
+    }
 }
 
 impl Instancer {
-    /// Takes over what the patch says; true where anything changed.
-    pub fn apply(&mut self, patch: InstancerPatch) -> bool {
-        let mut changed = assign(&mut self.parent, patch.parent);
-        changed |= assign(&mut self.parent_indices, patch.parent_indices);
-        changed |= assign(&mut self.transforms, patch.transforms);
-        changed |= assign(&mut self.visible, patch.visible);
-        changed
+    /// Takes over what the patch says and tells what that changed.
+    pub fn apply(&mut self, patch: InstancerPatch) -> InstancerChange {
+        let mut placement = assign(&mut self.parent, patch.parent);
+        placement |= assign(&mut self.parent_indices, patch.parent_indices);
+        placement |= assign(&mut self.transforms, patch.transforms);
+        placement |= assign(&mut self.visible, patch.visible);
+        InstancerChange { placement, links: assign(&mut self.categories, patch.categories) }
     }
 }

@@ -17,7 +17,7 @@ mod store;
 pub use camera::{Camera, ConformPolicy, Projection, ScreenWindow};
 pub use dirty::{Dirty, MeshDirty};
 pub use edit::SceneEdit;
-pub use ids::{CameraId, InstancerId, LightId, MaterialId, MeshId};
+pub use ids::{CameraId, Category, InstancerId, LightId, MaterialId, MeshId};
 pub use instancer::{Instancer, InstancerPatch};
 pub use light::{DomeTexture, DomeTextureFormat, Light, LightKind};
 pub use material::{Material, OpacityMode, PreviewSurface};

@@ -1,10 +1,11 @@
 //! Lights, by UsdLux.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use umber_math::{DAffine3, Rgb};
 
-use crate::{Shadow, Shaping};
+use crate::{Category, LightId, Shadow, Shaping};
 
 /// A dome light's picture (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -86,6 +87,14 @@ pub enum LightKind {
         /// Shine as a line of the same power, without shape.
         treat_as_line: bool,
     },
+    /// An opening on the XY plane around the origin, through which a dome shines along -Z. It does not shine itself:
+    /// domes that name it in [`Light::portals`] are sampled through it.
+    Portal {
+        /// Extent along X, light-space units.
+        width: f32,
+        /// Extent along Y, light-space units.
+        height: f32,
+    },
 }
 
 /// A light. Radiance is `color · intensity · 2^exposure`, over the area where `normalize` is set.
@@ -121,6 +130,12 @@ pub struct Light {
     pub shaping: Shaping,
     /// ShadowAPI, but for `inputs:shadow:enable`.
     pub shadow: Shadow,
+    /// Openings through which most of a dome's light comes in. They guide sampling, and change no picture.
+    pub portals: Arc<[LightId]>,
+    /// Category of what it illuminates; all where there is none.
+    pub light_link: Option<Category>,
+    /// Category of what casts shadows in its light; all where there is none.
+    pub shadow_link: Option<Category>,
 }
 
 impl Light {
@@ -142,6 +157,9 @@ impl Light {
             visible: true,
             shaping: Shaping::default(),
             shadow: Shadow::default(),
+            portals: Arc::default(),
+            light_link: None,
+            shadow_link: None,
         }
     }
 }

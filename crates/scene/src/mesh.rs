@@ -7,7 +7,7 @@ use umber_geometry::{Primvar, Topology};
 use umber_math::{DAffine3, Vec3};
 
 use crate::dirty::MeshDirty;
-use crate::{InstancerId, MaterialId};
+use crate::{Category, InstancerId, MaterialId};
 
 /// `UsdGeomImageable.purpose`, Hydra's render tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -76,6 +76,8 @@ pub struct Mesh {
     pub instance_indices: Arc<[i32]>,
     /// Value of the `primId` AOV.
     pub prim_id: i32,
+    /// Categories that it belongs to; what an instancer shows has the instance's instead.
+    pub categories: Arc<[Category]>,
 }
 
 impl Default for Mesh {
@@ -95,6 +97,7 @@ impl Default for Mesh {
             instancer: None,
             instance_indices: Arc::default(),
             prim_id: -1,
+            categories: Arc::default(),
         }
     }
 }
@@ -130,6 +133,8 @@ pub struct MeshPatch {
     pub instance_indices: Option<Arc<[i32]>>,
     /// See [`Mesh::prim_id`].
     pub prim_id: Option<i32>,
+    /// See [`Mesh::categories`].
+    pub categories: Option<Arc<[Category]>>,
 }
 
 /// Assigns a value that was said; true where it is another one.
@@ -171,6 +176,7 @@ impl Mesh {
         dirty.binding |= assign(&mut self.culled_faces, patch.culled_faces);
         dirty.binding |= assign(&mut self.material, patch.material);
         dirty.binding |= assign(&mut self.prim_id, patch.prim_id);
+        dirty.links |= assign(&mut self.categories, patch.categories);
         dirty
     }
 }

@@ -50,9 +50,10 @@ impl SceneStore {
             }
             SceneEdit::Instancer(id, patch) => {
                 let inserted = !self.instancers.contains_key(&id);
-                let changed = self.instancers.entry(id).or_default().apply(patch) | inserted;
-                self.dirty.instancers |= changed;
-                changed
+                let change = self.instancers.entry(id).or_default().apply(patch);
+                self.dirty.instancers |= change.placement | inserted;
+                self.dirty.instancer_links |= change.links;
+                change.any() | inserted
             }
             SceneEdit::RemoveInstancer(id) => {
                 let changed = self.instancers.remove(&id).is_some();

@@ -19,7 +19,7 @@ pub use ies::{IesError, IesProfile};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
     CylinderLight, DiskLight, DistantLight, DomeLight, IesParams, Light, LightHit, LightKind, LightParams,
-    LightProblem, LightSample, LightSampler, LightTexture, RectLight, ShadowParams, ShadowShape, ShapingParams,
+    LightProblem, LightSample, LightSampler, LightTexture, Portal, RectLight, ShadowParams, ShadowShape, ShapingParams,
     SphereLight,
 };
 pub use material::Material;

@@ -58,16 +58,22 @@ class Mesh:
     instancer: str | None = None
     instance_indices: Ints = field(default_factory=lambda: NO_INTS)
     prim_id: int = -1
+    categories: list[str] = field(default_factory=list)
+    """What of it light and shadow links may name; of an instanced mesh, the outermost instancer says it."""
 
 
 @dataclass(slots=True)
 class Instancer:
-    """Where instances stand: transforms, shape (n, 4, 4), lead to the parent's space or the world."""
+    """Where instances stand: transforms, shape (n, 4, 4), lead to the parent's space or the world.
+
+    `categories` as of a mesh, a list an instance; a single one counts for all instances.
+    """
 
     path: str
     transforms: Doubles
     parent: str | None = None
     parent_indices: Ints = field(default_factory=lambda: NO_INTS)
+    categories: list[list[str]] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -112,7 +118,11 @@ class Shadow:
 
 @dataclass(slots=True)
 class Light:
-    """A light of UsdLux: distant, dome, rect, sphere, disk or cylinder. What its kind does not have is ignored."""
+    """A light of UsdLux: distant, dome, rect, sphere, disk, cylinder or portal. What its kind does not have is ignored.
+
+    `portals`: paths of the portals of a dome. Links name the category of what the light illuminates, and of what
+    casts shadows in it; None is everything.
+    """
 
     path: str
     kind: str
@@ -136,6 +146,9 @@ class Light:
     shadow_enable: bool = True
     shaping: Shaping = field(default_factory=Shaping)
     shadow: Shadow = field(default_factory=Shadow)
+    portals: list[str] = field(default_factory=list)
+    light_link: str | None = None
+    shadow_link: str | None = None
 
 
 @dataclass(slots=True)

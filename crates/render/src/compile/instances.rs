@@ -7,6 +7,7 @@ use umber_bvh::{Child, Instance, InstanceBvh, MAX_DEPTH};
 use umber_math::DAffine3;
 use umber_scene::{Instancer, InstancerId, Mesh, MeshId};
 
+use super::membership::Membership;
 use crate::mesh::MeshShape;
 
 /// Which of how many an instance is, within the instancer that makes it.
@@ -38,6 +39,8 @@ pub struct Placed {
     pub numbers: Vec<InstanceNumber>,
     /// Mesh instances, nested ones multiplied out.
     pub instance_count: u64,
+    /// What the instances of the top level belong to, where anything has categories.
+    pub membership: Option<Membership>,
 }
 
 /// Meshes and instancers that one instancer makes at the same instances.
@@ -53,6 +56,7 @@ struct Placer<'a> {
     prototypes: BTreeMap<&'a InstancerId, BTreeMap<&'a [i32], Prototype<'a>>>,
     numbers: Vec<InstanceNumber>,
     instance_count: u64,
+    membership: Option<Membership>,
     older: OlderGroups,
     say: &'a mut dyn FnMut(&str, String),
 }
@@ -117,13 +121,18 @@ pub fn place(
     let roots: BTreeSet<&InstancerId> =
         prototypes.keys().copied().filter(|id| instancers.get(*id).is_none_or(|i| i.parent.is_none())).collect();
     let groups = older.map(OlderGroups::below).unwrap_or_default();
-    let mut placer = Placer { instancers, prototypes, numbers: Vec::new(), instance_count: 0, older: groups, say };
+    let membership = Membership::where_needed(shown, instancers);
+    let mut placer =
+        Placer { instancers, prototypes, numbers: Vec::new(), instance_count: 0, membership, older: groups, say };
 
     let lone = placer.number(0, 1);
     let mut top: Vec<Instance> = Vec::new();
     for mesh in shown.iter().filter(|m| m.mesh.instancer.is_none()) {
         top.push(instance(mesh, mesh.mesh.transform, lone));
         placer.instance_count += 1;
+        if let Some(membership) = &mut placer.membership {
+            membership.push(&mesh.mesh.categories);
+        }
     }
     for root in roots {
         let (instances, count) = placer.expand(root, 1);
@@ -143,7 +152,8 @@ pub fn place(
         Some(moved) => moved,
         None => build(top, "the stage", placer.say),
     };
-    Placed { top, numbers: placer.numbers, instance_count: placer.instance_count }
+    let Placer { numbers, instance_count, membership, .. } = placer;
+    Placed { top, numbers, instance_count, membership }
 }
 
 fn instance(mesh: &ShownMesh, parent_from_child: DAffine3, tag: u32) -> Instance {
@@ -207,6 +217,9 @@ impl<'a> Placer<'a> {
                     let parent_from_child = *transform * member.parent_from_child;
                     let tag = if self.is_lone(member.tag) { tag } else { self.nested_number(tag, member.tag) };
                     instances.push(Instance { child: member.child.clone(), parent_from_child, tag });
+                    if let Some(membership) = self.membership.as_mut().filter(|_| depth == 1) {
+                        membership.push_instance(instancer, *index);
+                    }
                 }
                 shown += count;
             }

@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use umber_math::{Bounds3, DAffine3};
 use umber_scene::{DomeTexture, DomeTextureFormat, Light, LightId, LightKind};
-use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, ShadowParams, TextureFormat};
+use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, Portal, ShadowParams, TextureFormat};
 
 use super::profiles::Profiles;
 use crate::light_set::LightSet;
+use crate::linking::LightLinks;
 
 /// Keeps the pictures of dome and rect lights, and IES profiles.
 #[derive(Debug, Default)]
@@ -23,32 +24,37 @@ pub struct LightCompiler {
 type Read<T> = Result<Arc<T>, ImageError>;
 
 impl LightCompiler {
-    /// Makes all lights that shine.
+    /// Makes all lights that shine, and their links.
     pub fn compile(
         &mut self,
         lights: &BTreeMap<LightId, Light>,
         render_from_world: DAffine3,
         scene_bounds: Bounds3,
         warn: &mut dyn FnMut(&str, String),
-    ) -> LightSet {
+    ) -> (LightSet, Vec<LightLinks>) {
         self.domes.retain(|(file, format), _| {
             let is_this = |t: &DomeTexture| t.file == *file && t.format == *format;
             lights.values().any(|l| matches!(&l.kind, LightKind::Dome { texture: Some(t) } if is_this(t)))
         });
         self.rects.retain(|file, _| lights.values().any(|l| rect_texture(l) == Some(file)));
         self.profiles.retain_used(lights.values());
-        let mut made = Vec::new();
-        for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
+        let (mut made, mut links) = (Vec::new(), Vec::new());
+        let shines = |light: &Light| light.visible && !matches!(light.kind, LightKind::Portal { .. });
+        for (id, light) in lights.iter().filter(|(_, light)| shines(light)) {
+            let portals = portals(id, light, lights, render_from_world, warn);
             let params = self.params(id, light, render_from_world, warn);
             match umber_shading::Light::new(&params) {
-                Ok((light, problems)) => {
+                Ok((shape, problems)) => {
                     problems.iter().for_each(|problem| warn(id.path(), problem.to_string()));
-                    made.push(light);
+                    if !shape.is_black() {
+                        made.push(shape.with_portals(portals));
+                        links.push(LightLinks { light: light.light_link.clone(), shadow: light.shadow_link.clone() });
+                    }
                 }
                 Err(problem) => warn(id.path(), problem.to_string()),
             }
         }
-        LightSet::new(made, scene_bounds)
+        (LightSet::new(made, scene_bounds), links)
     }
 
     fn params(
@@ -68,6 +74,7 @@ impl LightCompiler {
             LightKind::Cylinder { length, radius, treat_as_line } => {
                 umber_shading::LightKind::Cylinder { length: *length, radius: *radius, treat_as_line: *treat_as_line }
             }
+            LightKind::Portal { width, height } => umber_shading::LightKind::Rect { width: *width, height: *height },
             LightKind::Dome { texture } => {
                 let texture = texture.as_ref().and_then(|t| usable(self.dome(t), id, warn));
                 umber_shading::LightKind::Dome { texture }
@@ -119,6 +126,38 @@ fn usable<T>(read: &Read<T>, id: &LightId, warn: &mut dyn FnMut(&str, String)) -
     read.as_ref().map_err(failed).ok().cloned()
 }
 
+fn shadow(shadow: &umber_scene::Shadow) -> ShadowParams {
+    let &umber_scene::Shadow { color, distance, falloff, falloff_gamma } = shadow;
+    ShadowParams { color, distance, falloff, falloff_gamma }
+}
+
+/// The portals of a light that are shown.
+fn portals(
+    id: &LightId,
+    light: &Light,
+    lights: &BTreeMap<LightId, Light>,
+    render_from_world: DAffine3,
+    warn: &mut dyn FnMut(&str, String),
+) -> Vec<Portal> {
+    let mut usable = Vec::new();
+    for portal_id in light.portals.iter() {
+        let Some(portal) = lights.get(portal_id) else {
+            warn(id.path(), format!("no such portal: {portal_id}"));
+            continue;
+        };
+        let LightKind::Portal { width, height } = portal.kind else {
+            warn(id.path(), format!("{portal_id} is not a portal light; it guides nothing"));
+            continue;
+        };
+        match Portal::new(render_from_world * portal.world_from_light, width, height) {
+            Ok(made) if portal.visible => usable.push(made),
+            Ok(_) => {}
+            Err(problem) => warn(portal_id.path(), problem.to_string()),
+        }
+    }
+    usable
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,7 +166,7 @@ mod tests {
         let lights: BTreeMap<_, _> = lights.into_iter().map(|(path, light)| (LightId::new(path), light)).collect();
         let mut said = Vec::new();
         let mut warn = |path: &str, text: String| said.push((path.to_owned(), text));
-        let set = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, &mut warn);
+        let (set, _) = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, &mut warn);
         (set, said)
     }
 
@@ -165,9 +204,4 @@ mod tests {
         assert_eq!(sizes, [[4.0, 4.0, 0.0], [4.0, 1.0, 1.0], [4.0, 0.0, 0.0]]);
         assert_eq!(set.lights().iter().map(|l| l.is_delta()).collect::<Vec<_>>(), [false, false, true]);
     }
-}
-
-fn shadow(shadow: &umber_scene::Shadow) -> ShadowParams {
-    let &umber_scene::Shadow { color, distance, falloff, falloff_gamma } = shadow;
-    ShadowParams { color, distance, falloff, falloff_gamma }
 }

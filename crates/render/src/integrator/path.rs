@@ -7,6 +7,7 @@ use umber_shading::{Bsdf, LobeKind};
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
 use crate::light_set::ShapeHit;
+use crate::linking::Links;
 use crate::scene::RenderScene;
 use crate::shadow;
 use crate::surface::SurfaceInteraction;
@@ -18,13 +19,25 @@ enum Origin {
     /// No light sample could have found it.
     Delta {
         diffuse_share: Rgb,
+        links: Links,
     },
     /// By the BSDF at a point, with this density.
     Bsdf {
         point: Point3,
         pdf_solid_angle: f32,
         diffuse_share: Rgb,
+        links: Links,
     },
+}
+
+impl Origin {
+    /// Of the surface that the ray left; `None`: it left the camera.
+    fn links(&self) -> Option<Links> {
+        match self {
+            Self::Camera => None,
+            Self::Delta { links, .. } | Self::Bsdf { links, .. } => Some(*links),
+        }
+    }
 }
 
 /// Traces a path from the camera.
@@ -43,7 +56,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         };
         let hit = if at_camera { scene.camera_hit(ray, rays, chance) } else { scene.closest_hit(ray, rays, chance) };
         let before = Ray { t_max: hit.as_ref().map_or(ray.t_max, |hit| hit.t), ..ray };
-        if let Some(shape) = scene.lights.intersect(&before, at_camera) {
+        if let Some(shape) = scene.light_on(&before, origin.links()) {
             radiance += throughput * from_shape(scene, &shape, &ray, origin);
             break;
         }
@@ -79,11 +92,11 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         if !survives(scene, bounce, first, &mut throughput, sampler) {
             break;
         }
-        let diffuse_share = share(sample.f_diffuse, sample.f);
+        let (diffuse_share, links) = (share(sample.f_diffuse, sample.f), surface.links);
         origin = match sample.lobe {
-            LobeKind::Delta => Origin::Delta { diffuse_share },
+            LobeKind::Delta => Origin::Delta { diffuse_share, links },
             LobeKind::Diffuse | LobeKind::Glossy => {
-                Origin::Bsdf { point: surface.at.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share }
+                Origin::Bsdf { point: surface.at.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share, links }
             }
         };
         ray = surface.at.spawn_ray(sample.wi);
@@ -126,16 +139,19 @@ fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
 
 /// Weight of a light's radiance that was found by following a ray.
 fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin) -> Rgb {
+    if origin.links().is_some_and(|links| !scene.is_lit(links, light)) {
+        return Rgb::BLACK;
+    }
     match origin {
         Origin::Camera => Rgb::WHITE,
-        Origin::Delta { diffuse_share } => multiplier(scene, light, diffuse_share),
-        Origin::Bsdf { point, pdf_solid_angle, diffuse_share } => {
+        Origin::Delta { diffuse_share, .. } => multiplier(scene, light, diffuse_share),
+        Origin::Bsdf { point, pdf_solid_angle, diffuse_share, links } => {
             let of_light = &scene.lights.lights()[light as usize];
-            if of_light.found_by_samples_alone() {
+            if !scene.is_found_by_rays(light) {
                 // its shadows are not those that rays meet
                 return Rgb::BLACK;
             }
-            let pdf_light = scene.lights.pmf(point, light) * of_light.pdf_solid_angle(point, wi);
+            let pdf_light = scene.light_pmf(links, point, light) * of_light.pdf_solid_angle(point, wi);
             let mis_weight_bsdf = power_heuristic(pdf_solid_angle, pdf_light);
             multiplier(scene, light, diffuse_share) * mis_weight_bsdf
         }
@@ -176,7 +192,9 @@ fn direct(
     rays: &mut u64,
 ) -> Rgb {
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
-    let Some((index, pmf)) = scene.lights.choose(surface.at.point, sampler.next_1d()) else { return Rgb::BLACK };
+    let Some((index, pmf)) = scene.choose_light(surface.links, surface.at.point, sampler.next_1d()) else {
+        return Rgb::BLACK;
+    };
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
     let Some(sample) = light.sample(surface.at.point, sampler.next_2d()) else { return Rgb::BLACK };
@@ -187,7 +205,7 @@ fn direct(
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return Rgb::BLACK;
     }
-    let mis_weight_light = if sample.is_delta || light.found_by_samples_alone() {
+    let mis_weight_light = if sample.is_delta || !scene.is_found_by_rays(index) {
         1.0
     } else {
         power_heuristic(pdf_light, value.pdf_solid_angle)
@@ -199,10 +217,7 @@ fn direct(
     // the light's own rounding error is relative to its distance
     shadow_ray.t_max = sample.distance * (1.0 - 4.0 * f32::EPSILON);
     if let Some(shape) = light.shadow_shape() {
-        return unoccluded * shadow::visibility(scene, shape, shadow_ray, index, rays);
+        return unoccluded * shadow::visibility(scene, shape, shadow_ray, index, surface.links, rays);
     }
-    if scene.lights.occluded(&shadow_ray, index) {
-        return Rgb::BLACK;
-    }
-    unoccluded * (mis_weight_light * scene.transmittance(shadow_ray, rays))
+    unoccluded * (mis_weight_light * scene.arriving(shadow_ray, index, surface.links, rays))
 }

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec2};
-use umber_math::{DVec3, Rgb, Vector3};
+use umber_math::{DVec3, Point3, Rgb, Vector3};
 use umber_sampling::warp;
 
 use super::LightSample;
 use super::params::{Emission, LightParams, LightProblem};
+use super::portal::Portals;
 use crate::EnvironmentMap;
 
 /// A light that surrounds the scene. `normalize` has no effect on it.
@@ -22,6 +23,8 @@ pub struct DomeLight {
     texture: Option<Arc<EnvironmentMap>>,
     /// Orthogonal.
     render_from_light: Mat3,
+    /// Openings that guide sampling.
+    pub(super) portals: Option<Box<Portals>>,
 }
 
 impl DomeLight {
@@ -39,10 +42,18 @@ impl DomeLight {
             return Err(LightProblem::SingularTransform);
         }
         let render_from_light = Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3());
-        Ok(Self { emission: Emission::new(p, 1.0, 1.0, problems), texture, render_from_light })
+        Ok(Self { emission: Emission::new(p, 1.0, 1.0, problems), texture, render_from_light, portals: None })
     }
     #[inline]
-    pub(crate) fn sample(&self, u: Vec2) -> Option<LightSample> {
+    pub(crate) fn sample(&self, p: Point3, u: Vec2) -> Option<LightSample> {
+        match &self.portals {
+            None => self.sample_all(u),
+            Some(portals) => portals.sample(self, p, u),
+        }
+    }
+    /// As if there were no portals.
+    #[inline]
+    pub(super) fn sample_all(&self, u: Vec2) -> Option<LightSample> {
         let (wi_light, texel, pdf_solid_angle) = match &self.texture {
             Some(map) => map.sample(u),
             None => (warp::uniform_sphere(u), Rgb::WHITE, warp::UNIFORM_SPHERE_PDF_SOLID_ANGLE),
@@ -53,7 +64,15 @@ impl DomeLight {
         (pdf_solid_angle > 0.0).then_some(LightSample { wi, radiance, pdf_solid_angle, distance, is_delta: false })
     }
     #[inline]
-    pub(crate) fn pdf_solid_angle(&self, wi: Vector3) -> f32 {
+    pub(crate) fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
+        match &self.portals {
+            None => self.pdf_all(wi),
+            Some(portals) => portals.pdf_solid_angle(self, p, wi),
+        }
+    }
+    /// As if there were no portals.
+    #[inline]
+    pub(super) fn pdf_all(&self, wi: Vector3) -> f32 {
         match &self.texture {
             Some(map) => map.pdf_solid_angle(self.to_light(wi)),
             None => warp::UNIFORM_SPHERE_PDF_SOLID_ANGLE,
@@ -65,6 +84,9 @@ impl DomeLight {
             Some(map) => self.emission.radiance * map.radiance(self.to_light(wi)),
             None => self.emission.radiance,
         }
+    }
+    pub(super) fn has_texture(&self) -> bool {
+        self.texture.is_some()
     }
     #[inline]
     fn to_light(&self, wi: Vector3) -> Vector3 {

@@ -8,6 +8,7 @@ mod disk;
 mod distant;
 mod dome;
 mod params;
+mod portal;
 mod rect;
 mod select;
 mod shadow;
@@ -28,6 +29,7 @@ pub use distant::DistantLight;
 pub use dome::DomeLight;
 use params::Emission;
 pub use params::{LightKind, LightParams, LightProblem};
+pub use portal::Portal;
 pub use rect::RectLight;
 pub use select::LightSampler;
 pub use shadow::{ShadowParams, ShadowShape};
@@ -107,7 +109,7 @@ impl Light {
     pub fn sample(&self, p: Point3, u: Vec2) -> Option<LightSample> {
         let mut sample = match self {
             Self::Distant(l) => l.sample(u),
-            Self::Dome(l) => l.sample(u),
+            Self::Dome(l) => l.sample(p, u),
             Self::Rect(l) => l.sample(p, u),
             Self::Sphere(l) => l.sample(p, u),
             Self::Disk(l) => l.sample(p, u),
@@ -123,7 +125,7 @@ impl Light {
     pub fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
         match self {
             Self::Distant(l) => l.pdf_solid_angle(wi),
-            Self::Dome(l) => l.pdf_solid_angle(wi),
+            Self::Dome(l) => l.pdf_solid_angle(p, wi),
             Self::Rect(l) => l.pdf_solid_angle(p, wi),
             Self::Sphere(l) => l.pdf_solid_angle(p, wi),
             Self::Disk(l) => l.pdf_solid_angle(p, wi),

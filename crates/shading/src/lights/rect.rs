@@ -194,6 +194,17 @@ impl RectLight {
         let radiance = if is_front { self.radiance(Some(uv)) } else { Rgb::BLACK };
         (t > ray.t_min && t < ray.t_max).then_some(LightHit { t, radiance, is_front })
     }
+    /// How large it looks from a point, about, as a solid angle; zero where none of its light arrives.
+    #[inline]
+    pub(crate) fn apparent_size(&self, p: Point3) -> f32 {
+        let to_point = p.0.as_dvec3() - self.center;
+        let height = to_point.dot(self.normal);
+        let radius_squared = 0.25 * self.diagonal_squared;
+        let softened = to_point.length_squared() + radius_squared;
+        // low above its plane the far side counts as well
+        let size = self.area * (height + 0.5 * radius_squared.sqrt()) / (softened * softened.sqrt());
+        if height > 0.0 { size as f32 } else { 0.0 }
+    }
     pub(crate) fn bounds(&self) -> Bounds3 {
         let [a, b] = self.edges;
         let corners = [DVec3::ZERO, a, b, a + b];

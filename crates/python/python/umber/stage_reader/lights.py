@@ -16,6 +16,7 @@ KINDS = {
     "DistantLight": "distant",
     "DomeLight": "dome",
     "DomeLight_1": "dome",
+    "PortalLight": "portal",
     "RectLight": "rect",
     "SphereLight": "sphere",
     "DiskLight": "disk",
@@ -62,6 +63,8 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
 
     if light.kind == "distant":
         light.angle_deg = number("angle", light.angle_deg)
+    elif light.kind == "portal":
+        light.width, light.height = number("width", light.width), number("height", light.height)
     elif light.kind == "rect":
         light.width, light.height = number("width", light.width), number("height", light.height)
         light.texture_file = asset_file(_input(reading, prim, "texture:file", None))
@@ -74,6 +77,7 @@ def _read_shape(reading: Reading, prim: Usd.Prim, light: Light) -> None:
         light.radius, light.length = number("radius", light.radius), number("length", light.length)
         light.treat_as_line = bool(reading.value(prim, "treatAsLine"))
     else:
+        light.portals = _portals(reading, prim)
         light.texture_file = asset_file(_input(reading, prim, "texture:file", None))
         _read_texture_format(reading, prim, light)
 
@@ -84,6 +88,17 @@ def _read_texture_format(reading: Reading, prim: Usd.Prim, light: Light) -> None
         light.texture_format = texture_format
     else:
         reading.warn(prim, f"there is no texture format '{texture_format}'; it is taken as automatic")
+
+
+def _portals(reading: Reading, prim: Usd.Prim) -> list[str]:
+    """Paths of a dome's portals, without those that are hidden."""
+
+    def is_hidden(path: Sdf.Path) -> bool:
+        portal = UsdGeom.Imageable(reading.stage.GetPrimAtPath(path))
+        return bool(portal) and portal.ComputeVisibility(reading.time) == UsdGeom.Tokens.invisible
+
+    targets = prim.GetRelationship("portals").GetForwardedTargets()
+    return [path.pathString for path in targets if not is_hidden(path)]
 
 
 def _read_emission(reading: Reading, prim: Usd.Prim, light: Light) -> None:

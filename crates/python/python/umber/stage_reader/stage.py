@@ -8,6 +8,7 @@ from pxr import Sdf, Usd, UsdShade
 
 from umber.description import Prim
 from umber.stage_reader.lights import read_light
+from umber.stage_reader.linking import Links
 from umber.stage_reader.materials import read_material
 from umber.stage_reader.mesh import read_mesh, subset_prims
 from umber.stage_reader.reading import Reading
@@ -25,10 +26,15 @@ def read_stage(
     """
     reading = Reading(stage, time, purposes, say)
     found = walk(reading)
-    yield from found.instancers
+    links = Links(prim for prim, _ in found.lights)
+    for instancer in found.instancers:
+        links.categorize(instancer, found.instance_paths.get(instancer.path, []))
+        yield instancer
     for prim, space in found.lights:
         try:
-            yield from read_light(reading, prim, space)
+            for light in read_light(reading, prim, space):
+                links.link(prim, light)
+                yield light
         except (TypeError, ValueError) as error:
             reading.warn(prim, f"the light is left out: {error}")
     materials = _bound_materials(reading, found)
@@ -43,6 +49,8 @@ def read_stage(
             reading.warn(prim, f"the mesh is left out: {error}")
             continue
         if mesh is not None:
+            if space.instancer is None:
+                mesh.categories = links.of_path(prim.GetPath())
             skins.pose(prim, mesh)
             mesh.prim_id = prim_id
             prim_id += 1

@@ -31,6 +31,8 @@ class Found:
     lights: list[tuple[Usd.Prim, Space]] = field(default_factory=list)
     skel_roots: list[Usd.Prim] = field(default_factory=list)
     instancers: list[Instancer] = field(default_factory=list)
+    instance_paths: dict[str, list[Sdf.Path]] = field(default_factory=dict)
+    """By outermost instancer: paths of its native instances, or of the point instancer itself."""
 
 
 @dataclass
@@ -111,6 +113,8 @@ class _Walker:
         name = self.reading.unique_path(group.representative.GetPath())
         transforms = stack([transform for _, transform in members])
         self.found.instancers.append(Instancer(name, transforms, space.instancer, space.indices))
+        if space.instancer is None:
+            self.found.instance_paths[name] = [path for path, _ in members]
         inner = space.within(name, np.arange(len(members), dtype=np.int32), transforms)
         root = group.representative
         if root.IsA(UsdGeom.Gprim):
@@ -125,6 +129,8 @@ class _Walker:
             return
         name = self.reading.unique_path(prim.GetPath())
         self.found.instancers.append(Instancer(name, placed.transforms, space.instancer, space.indices))
+        if space.instancer is None:
+            self.found.instance_paths[name] = [prim.GetPath()]
         for prototype, indices in placed.prototypes:
             inner = space.within(name, indices, placed.transforms, prototype.GetParent())
             self.subtrees([prototype], inner, _inherited_purpose(prototype), PROTOTYPE_CHILDREN)
