@@ -116,7 +116,7 @@ def take(method: Method, count: int, seed: int, umber: Method) -> None:
         settings = {"convergedVariance": "-1", **method.mode.settings}
         samples = count
         if method.mode.adaptive:
-            # a variance over the mean of a pixel's two halves is twice the error's square
+            # the setting's estimate is a cautious one: about twice the error that comes out
             settings["convergedVariance"] = str(2.0 * umber.median_error(count))
             samples = LARGEST
         made = method.side.take(samples, seed, set=settings)
