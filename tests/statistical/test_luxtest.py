@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pictures import load, open_stage, render, seeds
-from pxr import Usd
+from pxr import Usd, UsdLux
+from umber import description
 
 HERE = Path(__file__).parent
 LUXTEST = HERE.parents[2] / "shared/assets/luxtest"
@@ -21,6 +22,15 @@ with np.load(HERE / "luxtest.npz") as file:
 NAMES = sorted(name for name in REFERENCES if not name.endswith("_usable"))
 PICTURES = 4
 SAMPLES = 256
+
+
+def is_shaped(stage: Usd.Stage, time: Usd.TimeCode) -> bool:
+    """Whether a light has a cone, a focus or a profile."""
+    lights = [UsdLux.ShapingAPI(prim) for prim in stage.Traverse() if prim.HasAPI(UsdLux.ShapingAPI)]
+    files = [light.GetShapingIesFileAttr().Get(time) for light in lights]
+    cones = any(light.GetShapingConeAngleAttr().Get(time) < 180 for light in lights)
+    focuses = any((light.GetShapingFocusAttr().Get(time) or 0) > 0 for light in lights)
+    return cones or focuses or any(file is not None and file.path for file in files)
 
 
 def test_there_are_frames() -> None:
@@ -34,7 +44,10 @@ def test_frame(name: str) -> None:
     if not path.exists():
         pytest.skip("no ../shared/assets/luxtest beside the project")
     truth, usable = REFERENCES[name].astype(np.float64), REFERENCES[f"{name}_usable"]
-    session = load(open_stage(path), (truth.shape[1], truth.shape[0]), Usd.TimeCode(int(frame)))
+    stage, time = open_stage(path), Usd.TimeCode(int(frame))
+    if is_shaped(stage, time) and not hasattr(description, "Shaping"):
+        pytest.skip("the stage reader does not read ShapingAPI yet")
+    session = load(stage, (truth.shape[1], truth.shape[0]), time)
     session.set("umber:maxBounces", "1")
     for seed in seeds():
         made = np.stack([render(session, SAMPLES, PICTURES * seed + i) for i in range(PICTURES)])

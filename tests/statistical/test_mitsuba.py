@@ -24,7 +24,8 @@ SAMPLES = 128
 LIMIT = 4.0
 # The converter's metal is Mitsuba's `principled`: the same lobe, up to its Fresnel term.
 ALLOWED = {"metal": 0.003}
-# Single precision: of sums of a thousand samples and of the reference.
+# Single precision, of sums of a thousand samples and of the reference; and what is so dark beside the picture's mean
+# comes from paths so rare that few pictures do not know their variance.
 ROUNDING = 1e-4
 
 off_blocks: dict[str, tuple[int, int]] = {}
@@ -32,7 +33,7 @@ off_blocks: dict[str, tuple[int, int]] = {}
 
 def distances(ours: Picture, theirs: Picture, variance: Picture, error: Picture, allowed: float) -> Picture:
     """How far means are apart, in standard errors, beyond the relative difference that is allowed."""
-    apart = np.maximum(np.abs(ours - theirs) - (allowed + ROUNDING) * theirs, 0.0)
+    apart = np.maximum(np.abs(ours - theirs) - allowed * theirs - ROUNDING * np.maximum(theirs, theirs.mean()), 0.0)
     return apart / np.sqrt(variance + error**2 + 1e-30)
 
 
