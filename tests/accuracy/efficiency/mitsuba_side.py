@@ -58,7 +58,7 @@ def main() -> None:
         serve(f"Mitsuba {tool.mi.__version__} {VARIANT}", take)
 
     # the converter hands the scene that it made to its timer
-    tool.timed = timed
+    vars(tool)["timed"] = timed
     with tempfile.TemporaryDirectory() as folder:
         unused = str(Path(folder) / "unused.npy")
         np.save(unused, np.zeros((1, 1, 3)))
