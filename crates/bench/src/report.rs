@@ -66,6 +66,8 @@ pub struct EfficiencyScene {
     pub height: u32,
     /// Umber's modes, then the peers.
     pub methods: Vec<Method>,
+    /// Peers that took no part, and why.
+    pub absent: Vec<String>,
 }
 
 /// A renderer in one mode.

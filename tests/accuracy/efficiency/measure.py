@@ -123,7 +123,7 @@ def take(method: Method, count: int, seed: int, umber: Method) -> None:
     method.taken.setdefault(count, []).append(made)
 
 
-def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: Path) -> list[Method]:
+def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: Path, own_samples: int) -> list[Method]:
     """Every line of a scene's chart, its renderers started; each has made a first picture."""
     stage, size = SHARED / "scenes" / f"{scene}.usda", SCENES[scene]
     truth = Truth(np.load(SHARED / "reference/mitsuba" / f"{scene}.npy")[..., :3].astype(np.float64))
@@ -131,6 +131,8 @@ def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: 
     for renderer in renderers:
         side = Side.start(renderer, stage, size)
         if side is None:
+            if not methods:
+                sys.exit("there is nothing to measure without Umber")
             continue
         # the first picture ends what is done once: compiling the scene, or kernels
         first = side.take(COMPARED, 1, **({"set": {}} if renderer.name == "Umber" else {}))
@@ -142,7 +144,7 @@ def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: 
                 methods.append(Method(mode.name, side, truth, usable, mode, from_start_seconds=from_start))
         elif renderer.name == CYCLES:
             key = hashlib.sha256(stage.read_bytes() + side.about.encode()).hexdigest()[:12]
-            own = own_truth(side, cache / f"{scene}-{OWN_REFERENCE_SAMPLES}-{key}.npy", OWN_REFERENCE_SAMPLES)
+            own = own_truth(side, cache / f"{scene}-{own_samples}-{key}.npy", own_samples)
             usable = [count for count in counts if count <= CYCLES_LARGEST]
             methods.append(Method(renderer.name, side, own, usable, from_start_seconds=from_start))
         else:
@@ -153,7 +155,8 @@ def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: 
 def measure(scene: str, renderers: list[Renderer], arguments: argparse.Namespace) -> dict[str, Any]:
     """All rounds of a scene."""
     counts = sorted({*arguments.samples, COMPARED})
-    methods = methods_of(scene, renderers, counts, Path(arguments.out).parent / "efficiency")
+    cache = Path(arguments.out).parent / "efficiency"
+    methods = methods_of(scene, renderers, counts, cache, arguments.own_reference)
     umber = methods[0]
     for round_number in range(arguments.rounds):
         for count in counts:
@@ -183,6 +186,7 @@ def measure(scene: str, renderers: list[Renderer], arguments: argparse.Namespace
             for method in methods
         ],
         "ratios": ratios(methods),
+        "absent": [renderer.name for renderer in renderers if all(m.side.renderer != renderer for m in methods)],
     }
 
 
@@ -242,12 +246,20 @@ def main() -> None:
     parser.add_argument("--scene", nargs="+", choices=list(SCENES), default=list(SCENES))
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--samples", nargs="+", type=int, default=[4, 16, 64, 256])
+    parser.add_argument(
+        "--own-reference",
+        type=int,
+        default=OWN_REFERENCE_SAMPLES,
+        metavar="SAMPLES",
+        help="of each half of Cycles' reference",
+    )
     parser.add_argument("--mitsuba", metavar="PYTHON", help="an interpreter that has it")
     parser.add_argument("--cycles", metavar="PYTHON", help="an interpreter that has Blender as a module")
     parser.add_argument("--commit", default="unknown")
     arguments = parser.parse_args()
     if not (SHARED / "reference/mitsuba").exists():
         sys.exit(f"nothing to measure with: no {SHARED / 'reference/mitsuba'}")
+    absent: list[str] = []
     renderers = [Renderer("Umber", "umber_side.py", sys.executable)]
     for name, script, python in [
         (MITSUBA, "mitsuba_side.py", arguments.mitsuba),
@@ -257,6 +269,7 @@ def main() -> None:
             renderers.append(Renderer(name, script, python))
         else:
             print(f"{name} takes no part: it is not installed", flush=True)
+            absent.append(f"{name}: not installed")
     words = [f"--scene {' '.join(arguments.scene)}"] if arguments.scene != list(SCENES) else []
     words += [f"--rounds {arguments.rounds}", f"--samples {' '.join(map(str, arguments.samples))}"]
     record: dict[str, Any] = {
@@ -267,7 +280,9 @@ def main() -> None:
         "scenes": [],
     }
     for scene in arguments.scene:
-        record["scenes"].append(measure(scene, renderers, arguments))
+        measured = measure(scene, renderers, arguments)
+        measured["absent"] = absent + [f"{name}: did not start" for name in measured["absent"]]
+        record["scenes"].append(measured)
         show(record["scenes"][-1])
         Path(arguments.out).write_text(json.dumps(record, indent=2) + "\n")
 

@@ -46,7 +46,9 @@ pub fn efficiency(scene: &EfficiencyScene, report: &Efficiency, file: &Path) -> 
         top.draw(&Text::new(about(method), (48, y - 6), font(13))).map_err(failed)?;
     }
     draw(scene, &colors, &plane)?;
-    let machine = format!("{}; commit {}; median of {} rounds in turn", report.processor, report.commit, report.rounds);
+    let absent: String = scene.absent.iter().map(|peer| format!("; {peer}")).collect();
+    let rounds = report.rounds;
+    let machine = format!("{}; commit {}; median of {rounds} rounds in turn{absent}", report.processor, report.commit);
     bottom.draw(&Text::new(machine, (16, 8), font(12))).map_err(failed)?;
     bottom.draw(&Text::new(report.command.clone(), (16, 30), font(12))).map_err(failed)?;
     root.present().map_err(failed)
