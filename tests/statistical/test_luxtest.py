@@ -1,9 +1,9 @@
 """Frames of ASWF's luxtest against UsdLux's formulas, integrated numerically: see `make_luxtest.py`.
 
-Direct light alone, as the stages ask for. Compared are the pixels that hold neither an edge nor the light: their mean,
-and each of them within one per cent of its own value (five under the stripes of an IES profile, which no grid hits
-exactly), 0.2 % of the frame's mean and four standard errors, but for one in a hundred. Figures are printed:
-`pytest -rP tests/statistical`.
+Direct light alone, as the stages ask for. Compared are the pixels that hold neither an edge nor the light: each of
+them, within one per cent of its own value (five under the stripes of an IES profile, which no grid hits
+exactly), 0.2 % of the frame's mean and four standard errors, but for one in a hundred; and their mean, within half a
+per cent (one and a half). Figures are printed: `pytest -rP tests/statistical`.
 """
 
 from __future__ import annotations
@@ -50,11 +50,12 @@ def test_frame(name: str) -> None:
         pytest.skip("the stage reader does not read ShapingAPI yet")
     session = load(stage, (truth.shape[1], truth.shape[0]), time)
     session.set("umber:maxBounces", "1")
+    of_pixel, of_mean = (0.05, 0.015) if stage_name.startswith("ies") else (0.01, 0.005)
     for seed in seeds():
         made = np.stack([render(session, SAMPLES, PICTURES * seed + i) for i in range(PICTURES)])
         ours, theirs = made.mean(axis=0)[usable], truth[usable]
         error = np.sqrt(made.var(axis=0, ddof=1)[usable].mean(axis=-1, keepdims=True) / PICTURES)
-        allowed = (0.05 if stage_name.startswith("ies") else 0.01) * theirs + 0.002 * theirs.mean() + 4 * error
+        allowed = of_pixel * theirs + 0.002 * theirs.mean() + 4 * error
         off = (np.abs(ours - theirs) > allowed).any(axis=1)
         bias = ours.sum() / theirs.sum() - 1
         worst = np.abs(ours - theirs).max() / theirs.mean()
@@ -64,5 +65,5 @@ def test_frame(name: str) -> None:
             f"largest difference {100 * worst:.2f} % of the mean, {off.sum()} of {off.size} pixels off"
         )
         assert np.isfinite(made).all()
-        assert abs(bias) < 0.005
+        assert abs(bias) < of_mean
         assert off.sum() <= off.size // 100
