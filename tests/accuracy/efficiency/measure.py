@@ -272,6 +272,8 @@ def main() -> None:
             absent.append(f"{name}: not installed")
     words = [f"--scene {' '.join(arguments.scene)}"] if arguments.scene != list(SCENES) else []
     words += [f"--rounds {arguments.rounds}", f"--samples {' '.join(map(str, arguments.samples))}"]
+    if arguments.own_reference != OWN_REFERENCE_SAMPLES:
+        words.append(f"--own-reference {arguments.own_reference}")
     record: dict[str, Any] = {
         "processor": processor(),
         "commit": arguments.commit,
