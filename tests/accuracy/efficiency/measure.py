@@ -127,7 +127,7 @@ def methods_of(scene: str, renderers: list[Renderer], counts: list[int], cache: 
     """Every line of a scene's chart, its renderers started; each has made a first picture."""
     stage, size = SHARED / "scenes" / f"{scene}.usda", SCENES[scene]
     truth = Truth(np.load(SHARED / "reference/mitsuba" / f"{scene}.npy")[..., :3].astype(np.float64))
-    methods = []
+    methods: list[Method] = []
     for renderer in renderers:
         side = Side.start(renderer, stage, size)
         if side is None:
