@@ -7,8 +7,10 @@ use plotters::prelude::*;
 
 use crate::{measure::PEERS, report::Report};
 
+mod efficiency;
 mod failures;
 
+pub use efficiency::efficiency;
 pub use failures::failures;
 
 const PANEL: RGBColor = RGBColor(250, 250, 248);

@@ -1,4 +1,5 @@
 //! Speed beside other libraries: `bench rays`. Failures beside textbook methods: `bench stability`.
+//! Error over time: `bench efficiency` draws what was measured elsewhere.
 //!
 //! The first measures single-ray queries on one thread beside Embree, in one run and in turn, on the same
 //! triangles and rays, and compares the hits. Embree is found when this is built (see `build.rs`).
@@ -35,6 +36,8 @@ enum What {
     Rays(RaysArguments),
     /// Rays that fail, over size and distance from the origin.
     Stability(StabilityArguments),
+    /// Charts of error over time, from what `tests/accuracy/efficiency/measure.py` recorded.
+    Efficiency(EfficiencyArguments),
 }
 
 #[derive(clap::Args)]
@@ -71,6 +74,15 @@ struct StabilityArguments {
 }
 
 #[derive(clap::Args)]
+struct EfficiencyArguments {
+    /// The record.
+    measured: PathBuf,
+    /// Folders for the record and its charts.
+    #[arg(long, default_value = "target/bench")]
+    out: Vec<PathBuf>,
+}
+
+#[derive(clap::Args)]
 struct RecordArguments {
     /// Folders for what was measured, as JSON, and its charts.
     #[arg(long, default_value = "target/bench")]
@@ -84,7 +96,23 @@ fn main() -> Result<()> {
     match Arguments::parse().what {
         What::Rays(arguments) => rays_beside_embree(&arguments),
         What::Stability(arguments) => failures(&arguments),
+        What::Efficiency(arguments) => efficiency(&arguments),
     }
+}
+
+fn efficiency(arguments: &EfficiencyArguments) -> Result<()> {
+    let text = fs::read_to_string(&arguments.measured).with_context(|| arguments.measured.display().to_string())?;
+    let report: report::Efficiency = serde_json::from_str(&text)?;
+    for folder in &arguments.out {
+        let named = || folder.display().to_string();
+        fs::create_dir_all(folder).with_context(named)?;
+        fs::write(folder.join("efficiency.json"), &text).with_context(named)?;
+        for scene in &report.scenes {
+            let file = folder.join(format!("efficiency_{}.svg", scene.name));
+            chart::efficiency(scene, &report, &file).with_context(|| file.display().to_string())?;
+        }
+    }
+    Ok(())
 }
 
 fn failures(arguments: &StabilityArguments) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use umber_bench::stability::figures::Figure;
 
@@ -38,6 +38,67 @@ pub struct Failures {
     pub command: String,
     /// What was counted.
     pub figures: Vec<Figure>,
+}
+
+/// Error over time beside other path tracers, as `tests/accuracy/efficiency/measure.py` records it; what charts show.
+#[derive(Debug, Deserialize)]
+pub struct Efficiency {
+    /// The processor, and its cores.
+    pub processor: String,
+    /// The commit.
+    pub commit: String,
+    /// What to call to measure again.
+    pub command: String,
+    /// Rounds that each figure is the median of.
+    pub rounds: u32,
+    /// By scene.
+    pub scenes: Vec<EfficiencyScene>,
+}
+
+/// One scene's methods.
+#[derive(Debug, Deserialize)]
+pub struct EfficiencyScene {
+    /// Name.
+    pub name: String,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Umber's modes, then the peers.
+    pub methods: Vec<Method>,
+    /// Peers that took no part, and why.
+    pub absent: Vec<String>,
+}
+
+/// A renderer in one mode.
+#[derive(Debug, Deserialize)]
+pub struct Method {
+    /// Name.
+    pub name: String,
+    /// Renderer and version.
+    pub about: String,
+    /// Whether its errors are against a reference of its own.
+    pub own_reference: bool,
+    /// Seconds from the start of a process to its first picture of 64 samples a pixel.
+    pub from_start_seconds: f64,
+    /// By number of samples.
+    pub points: Vec<EfficiencyPoint>,
+}
+
+impl Method {
+    /// Whether it is one of Umber's modes.
+    pub fn is_own(&self) -> bool {
+        self.name.starts_with("Umber")
+    }
+}
+
+/// One number of samples.
+#[derive(Debug, Deserialize)]
+pub struct EfficiencyPoint {
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// relMSE, the reference's own noise taken off.
+    pub error: f64,
 }
 
 impl Report {

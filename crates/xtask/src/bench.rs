@@ -8,6 +8,8 @@ use std::{
 
 use anyhow::{Context, Result};
 
+mod efficiency;
+
 use crate::{process, render, workspace};
 
 /// Stages whose triangles are measured, by the name that charts give them, from the folder of assets
@@ -20,8 +22,8 @@ const STAGES: [(&str, &str); 2] = [
 /// Arguments of `cargo xtask bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`.
-    /// See `rays --help`.
+    /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`,
+    /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`. See `rays --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }
@@ -33,6 +35,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let folder = workspace::target().join("bench");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    if arguments.words.first().is_some_and(|what| what == "efficiency") {
+        return efficiency::run(&arguments.words[1..], &folder);
+    }
     let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
     for (name, stage) in STAGES.into_iter().filter(|_| of_stages) {
         dump(&workspace::root().join("../shared/assets").join(stage), &folder.join(name).with_extension("tri"))?;

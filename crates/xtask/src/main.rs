@@ -35,7 +35,7 @@ enum Command {
     Render(render::Arguments),
     /// Run every test: Rust, Python on usd-core, and the hosts where an OpenUSD with imaging is found.
     Test,
-    /// Measure beside other libraries, into target/bench and docs/charts: `bench rays`.
+    /// Measure beside other libraries, into target/bench and docs/charts: `bench rays`, `bench efficiency`.
     Bench(bench::Arguments),
     /// Check formatting, lints, documentation, the order of the crates, C++ warnings and Python.
     Lint,

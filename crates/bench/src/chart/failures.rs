@@ -126,7 +126,7 @@ fn axes(area: &Area<'_>, chart: &Plane<'_, '_>, name: &str, x: &Range<f64>, tick
 }
 
 /// A power of ten, as one writes it.
-fn power(exponent: i32) -> String {
+pub(super) fn power(exponent: i32) -> String {
     match exponent {
         0 => "1".into(),
         1 => "10".into(),
