@@ -105,7 +105,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
 }
 
 /// Paths that bring less than this part of what their first scattering let through may end at random. Measured:
-/// with 1 the error times the rays is a tenth larger, with 4 about the same.
+/// with 1 the error times the rays is a tenth larger, with a quarter about the same.
 const ROULETTE_SHARE: f32 = 0.5;
 
 /// Russian roulette by throughput, relative to that after the path's first scattering: it is errors relative to the
