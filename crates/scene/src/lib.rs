@@ -18,7 +18,7 @@ pub use dirty::{Dirty, MeshDirty};
 pub use edit::SceneEdit;
 pub use ids::{CameraId, InstancerId, LightId, MaterialId, MeshId};
 pub use instancer::{Instancer, InstancerPatch};
-pub use light::{DomeTexture, Light, LightKind};
+pub use light::{DomeTexture, Light, LightKind, MaterialSync};
 pub use material::{Material, OpacityMode, PreviewSurface};
 pub use mesh::{CulledFaces, GeomSubset, Mesh, MeshPatch, Purpose};
 pub use store::SceneStore;

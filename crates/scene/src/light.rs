@@ -4,11 +4,25 @@ use std::path::PathBuf;
 
 use umber_math::{DAffine3, Rgb};
 
+use crate::MeshId;
+
 /// A dome light's picture, latitude-longitude (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DomeTexture {
     /// The file, as the asset resolver found it.
     pub file: PathBuf,
+}
+
+/// `light:materialSyncMode`: how the material of a mesh and the light that shines from it go together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MaterialSync {
+    /// The material's glow is seen; it lights things multiplied by the light's colour and brightness.
+    #[default]
+    GlowTintsLight,
+    /// The material's glow is seen; what lights things is the light's alone.
+    Independent,
+    /// As if there were no material: a black surface that shines.
+    NoResponse,
 }
 
 /// The shape of a light, in light space: it shines along -Z where it has a direction.
@@ -37,6 +51,13 @@ pub enum LightKind {
         radius: f32,
         /// Shine as a point of the same power, without shape.
         treat_as_point: bool,
+    },
+    /// A mesh, wherever it is shown; the light's own transform is of no account.
+    Mesh {
+        /// Which.
+        mesh: MeshId,
+        /// What its material has to do with it.
+        material_sync: MaterialSync,
     },
 }
 

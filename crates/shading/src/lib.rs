@@ -15,8 +15,8 @@ pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
 pub use environment::EnvironmentMap;
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    DistantLight, DomeLight, Light, LightHit, LightKind, LightParams, LightProblem, LightSample, LightSampler,
-    RectLight, SphereLight,
+    DistantLight, DomeLight, EmitterMesh, EmitterTriangle, Light, LightHit, LightKind, LightParams, LightProblem,
+    LightSample, LightSampler, MeshLight, Receiver, RectLight, SphereLight,
 };
 pub use material::Material;
 pub use preview_surface::{OpacityMode, PreviewSurface};

@@ -8,6 +8,7 @@ use umber_math::{Bounds3, DAffine3};
 use umber_scene::{Light, LightId, LightKind};
 use umber_shading::{EnvironmentMap, LightParams};
 
+use super::emitters::Emitters;
 use crate::light_set::LightSet;
 
 /// Keeps the pictures of dome lights.
@@ -24,6 +25,7 @@ impl LightCompiler {
         lights: &BTreeMap<LightId, Light>,
         render_from_world: DAffine3,
         scene_bounds: Bounds3,
+        emitters: Emitters,
         warn: &mut dyn FnMut(&str, String),
     ) -> LightSet {
         let in_use = |file: &PathBuf| {
@@ -33,7 +35,7 @@ impl LightCompiler {
         self.textures.retain(|file, _| in_use(file));
         let mut made = Vec::new();
         for (id, light) in lights.iter().filter(|(_, light)| light.visible) {
-            let params = self.params(id, light, render_from_world, warn);
+            let Some(params) = self.params(id, light, render_from_world, warn) else { continue };
             match umber_shading::Light::new(&params) {
                 Ok((light, problems)) => {
                     problems.iter().for_each(|problem| warn(id.path(), problem.to_string()));
@@ -42,7 +44,7 @@ impl LightCompiler {
                 Err(problem) => warn(id.path(), problem.to_string()),
             }
         }
-        LightSet::new(made, scene_bounds)
+        LightSet::with_emitters(made, emitters, scene_bounds)
     }
 
     fn params(
@@ -51,7 +53,7 @@ impl LightCompiler {
         light: &Light,
         render_from_world: DAffine3,
         warn: &mut dyn FnMut(&str, String),
-    ) -> LightParams {
+    ) -> Option<LightParams> {
         let kind = match &light.kind {
             LightKind::Distant { angle_deg } => umber_shading::LightKind::Distant { angle_deg: *angle_deg },
             LightKind::Rect { width, height } => umber_shading::LightKind::Rect { width: *width, height: *height },
@@ -62,20 +64,10 @@ impl LightCompiler {
                 let texture = texture.as_ref().and_then(|t| self.texture(id, &t.file, warn));
                 umber_shading::LightKind::Dome { texture }
             }
+            // made with the mesh's emitters
+            LightKind::Mesh { .. } => return None,
         };
-        LightParams {
-            kind,
-            render_from_light: render_from_world * light.world_from_light,
-            color: light.color,
-            intensity: light.intensity,
-            exposure: light.exposure,
-            normalize: light.normalize,
-            color_temperature: light.color_temperature,
-            diffuse: light.diffuse,
-            specular: light.specular,
-            shadow_enable: light.shadow_enable,
-            camera_visible: light.camera_visible,
-        }
+        Some(params(light, kind, render_from_world * light.world_from_light))
     }
 
     fn texture(
@@ -96,5 +88,22 @@ impl LightCompiler {
         };
         self.textures.insert(file.clone(), loaded.clone());
         loaded
+    }
+}
+
+/// A light of the kind given, with what lights of all kinds have.
+pub fn params(light: &Light, kind: umber_shading::LightKind, render_from_light: DAffine3) -> LightParams {
+    LightParams {
+        kind,
+        render_from_light,
+        color: light.color,
+        intensity: light.intensity,
+        exposure: light.exposure,
+        normalize: light.normalize,
+        color_temperature: light.color_temperature,
+        diffuse: light.diffuse,
+        specular: light.specular,
+        shadow_enable: light.shadow_enable,
+        camera_visible: light.camera_visible,
     }
 }

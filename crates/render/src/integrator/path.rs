@@ -1,8 +1,9 @@
 //! Unidirectional path tracing with next-event estimation and multiple importance sampling.
 
-use umber_math::{Point3, Ray, Rgb, Vector3};
+use umber_bvh::Hit;
+use umber_math::{Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
-use umber_shading::{Bsdf, LobeKind};
+use umber_shading::{Bsdf, LobeKind, Receiver};
 
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
@@ -20,7 +21,7 @@ enum Origin {
     },
     /// By the BSDF at a point, with this density.
     Bsdf {
-        point: Point3,
+        receiver: Receiver,
         pdf_solid_angle: f32,
         diffuse_share: Rgb,
     },
@@ -55,7 +56,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
             break;
         };
         let surface = SurfaceInteraction::new(scene, &hit);
-        radiance += throughput * surface.emission;
+        radiance += throughput * from_surface(scene, &hit, &surface, ray.direction, origin);
         if bounce == scene.settings.max_bounces {
             break;
         }
@@ -81,9 +82,11 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         let diffuse_share = share(sample.f_diffuse, sample.f);
         origin = match sample.lobe {
             LobeKind::Delta => Origin::Delta { diffuse_share },
-            LobeKind::Diffuse | LobeKind::Glossy => {
-                Origin::Bsdf { point: surface.at.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share }
-            }
+            LobeKind::Diffuse | LobeKind::Glossy => Origin::Bsdf {
+                receiver: receiver(&surface, wo),
+                pdf_solid_angle: sample.pdf_solid_angle,
+                diffuse_share,
+            },
         };
         ray = surface.at.spawn_ray(sample.wi);
     }
@@ -123,18 +126,25 @@ fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
     Rgb::splat(light.specular()) + diffuse_share * (light.diffuse() - light.specular())
 }
 
-/// Weight of a light's radiance that was found by following a ray.
-fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin) -> Rgb {
+/// A surface as it asks for light, on the viewer's side.
+fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
+    let at = &surface.at;
+    Receiver { point: at.point, normal: at.normal.facing(wo), clearance: at.clearance }
+}
+
+/// Weight of a light's radiance that was found by following a ray. `density`: with which the light, once chosen,
+/// makes the ray's direction.
+fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: impl Fn(&Receiver) -> f32) -> Rgb {
     match origin {
         Origin::Camera => Rgb::WHITE,
         Origin::Delta { diffuse_share } => multiplier(scene, light, diffuse_share),
-        Origin::Bsdf { point, pdf_solid_angle, diffuse_share } => {
+        Origin::Bsdf { receiver, pdf_solid_angle, diffuse_share } => {
             let of_light = &scene.lights.lights()[light as usize];
             if !of_light.shadow_enable() {
                 // shines through things: light samples alone find all of it
                 return Rgb::BLACK;
             }
-            let pdf_light = scene.lights.pmf(point, light) * of_light.pdf_solid_angle(point, wi);
+            let pdf_light = scene.lights.pmf(&receiver, light) * density(&receiver);
             let mis_weight_bsdf = power_heuristic(pdf_solid_angle, pdf_light);
             multiplier(scene, light, diffuse_share) * mis_weight_bsdf
         }
@@ -142,7 +152,25 @@ fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin)
 }
 
 fn from_shape(scene: &RenderScene, hit: &ShapeHit, ray: &Ray, origin: Origin) -> Rgb {
-    hit.radiance * weight_of_found(scene, hit.light, ray.direction, origin)
+    let light = &scene.lights.lights()[hit.light as usize];
+    let density = |r: &Receiver| light.pdf_solid_angle(r.point, ray.direction);
+    hit.radiance * weight_of_found(scene, hit.light, origin, density)
+}
+
+/// Radiance that geometry emits against a ray.
+fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi: Vector3, origin: Origin) -> Rgb {
+    let Some(emitter) = scene.lights.emitter_at(hit) else { return surface.emission };
+    let as_light = matches!(origin, Origin::Bsdf { .. });
+    if emitter.glows && !as_light {
+        return surface.emission;
+    }
+    let Some(index) = emitter.light else { return Rgb::BLACK };
+    let Some(light) = scene.lights.lights()[index as usize].as_mesh() else { return Rgb::BLACK };
+    let radiance = light.radiance(hit.triangle, wi, surface.at.normal);
+    if radiance.is_black() {
+        return Rgb::BLACK;
+    }
+    radiance * weight_of_found(scene, index, origin, |r| light.pdf_solid_angle(r, hit.triangle, wi))
 }
 
 /// Radiance of the lights around the scene, and whether the camera sees any of them.
@@ -157,7 +185,7 @@ fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool
             continue;
         }
         if let Some(radiance) = of_light.radiance_from_infinity(wi) {
-            sum += radiance * weight_of_found(scene, light, wi, origin);
+            sum += radiance * weight_of_found(scene, light, origin, |r| of_light.pdf_solid_angle(r.point, wi));
             seen = true;
         }
     }
@@ -175,10 +203,11 @@ fn direct(
     rays: &mut u64,
 ) -> Rgb {
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
-    let Some((index, pmf)) = scene.lights.choose(surface.at.point, sampler.next_1d()) else { return Rgb::BLACK };
+    let receiver = receiver(surface, wo);
+    let Some((index, pmf)) = scene.lights.choose(&receiver, sampler.next_1d()) else { return Rgb::BLACK };
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
-    let Some(sample) = light.sample(surface.at.point, sampler.next_2d()) else { return Rgb::BLACK };
+    let Some(sample) = light.sample_for(&receiver, sampler.next_2d()) else { return Rgb::BLACK };
     let value = bsdf.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
     let pdf_light = pmf * sample.pdf_solid_angle;

@@ -3,24 +3,32 @@
 //! Radiometry is UsdLux's (OpenUSD 25.08, `UsdLuxLightAPI`): radiance is intensity · 2^exposure · color, times
 //! the colour of the temperature, divided by the size with `normalize`.
 
+mod cluster;
 mod distant;
 mod dome;
+mod mesh;
 mod params;
+mod receiver;
 mod rect;
 mod select;
 mod sphere;
 mod spherical_rect;
 mod tree;
+mod triangle;
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec2;
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
+use cluster::Cone;
 pub use distant::DistantLight;
 pub use dome::DomeLight;
+pub use mesh::{EmitterMesh, EmitterTriangle, MeshLight};
 use params::Emission;
 pub use params::{LightKind, LightParams, LightProblem};
+pub use receiver::Receiver;
 pub use rect::RectLight;
 pub use select::LightSampler;
 pub use sphere::SphereLight;
@@ -60,6 +68,8 @@ pub enum Light {
     Rect(RectLight),
     /// A sphere or a point.
     Sphere(SphereLight),
+    /// The triangles of a mesh, which rays meet as geometry.
+    Mesh(Box<MeshLight>),
 }
 
 impl Light {
@@ -79,6 +89,9 @@ impl Light {
             LightKind::Sphere { radius, treat_as_point } => {
                 Self::Sphere(SphereLight::new(desc, *radius, *treat_as_point, &mut problems)?)
             }
+            LightKind::Mesh { mesh, clearance } => {
+                Self::Mesh(Box::new(MeshLight::new(desc, Arc::clone(mesh), *clearance, &mut problems)?))
+            }
         };
         Ok((light, problems))
     }
@@ -90,9 +103,19 @@ impl Light {
             Self::Dome(l) => l.sample(u),
             Self::Rect(l) => l.sample(p, u),
             Self::Sphere(l) => l.sample(p, u),
+            Self::Mesh(l) => l.sample(&Receiver::all_around(p), u),
         }
     }
-    /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights.
+    /// As [`Light::sample`]; a light of many parts chooses those that shine on the receiver's side.
+    #[inline]
+    pub fn sample_for(&self, receiver: &Receiver, u: Vec2) -> Option<LightSample> {
+        match self {
+            Self::Mesh(l) => l.sample(receiver, u),
+            _ => self.sample(receiver.point, u),
+        }
+    }
+    /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights, and for meshes, whose density is
+    /// that of a triangle ([`MeshLight::pdf_solid_angle`]).
     #[inline]
     pub fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
         match self {
@@ -100,13 +123,14 @@ impl Light {
             Self::Dome(l) => l.pdf_solid_angle(wi),
             Self::Rect(l) => l.pdf_solid_angle(p, wi),
             Self::Sphere(l) => l.pdf_solid_angle(p, wi),
+            Self::Mesh(_) => 0.0,
         }
     }
-    /// The nearest hit with a light that has a place and a size.
+    /// The nearest hit with a light that has a place and a size, and is not geometry itself.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<LightHit> {
         match self {
-            Self::Distant(_) | Self::Dome(_) => None,
+            Self::Distant(_) | Self::Dome(_) | Self::Mesh(_) => None,
             Self::Rect(l) => l.intersect(ray),
             Self::Sphere(l) => l.intersect(ray),
         }
@@ -117,7 +141,7 @@ impl Light {
         match self {
             Self::Distant(l) => l.radiance(wi),
             Self::Dome(l) => Some(l.radiance(wi)),
-            Self::Rect(_) | Self::Sphere(_) => None,
+            Self::Rect(_) | Self::Sphere(_) | Self::Mesh(_) => None,
         }
     }
     /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.
@@ -128,6 +152,7 @@ impl Light {
             Self::Dome(l) => l.mean_radiance().luminance() * 4.0 * PI * disk,
             Self::Rect(l) => l.power().luminance(),
             Self::Sphere(l) => l.power().luminance(),
+            Self::Mesh(l) => l.power(),
         }
     }
     /// The box around a light that has a place.
@@ -136,7 +161,21 @@ impl Light {
             Self::Distant(_) | Self::Dome(_) => None,
             Self::Rect(l) => Some(l.bounds()),
             Self::Sphere(l) => Some(l.bounds()),
+            Self::Mesh(l) => Some(l.bounds()),
         }
+    }
+    /// The directions that it shines from, each into a cosine lobe; all where it shines all around.
+    fn cone(&self) -> Cone {
+        match self {
+            Self::Rect(l) => Cone { axis: l.facing().0, cos: 1.0, two_sided: false },
+            Self::Mesh(l) => l.cone(),
+            Self::Distant(_) | Self::Dome(_) | Self::Sphere(_) => Cone::ALL,
+        }
+    }
+    /// The mesh, where it is one.
+    #[inline]
+    pub fn as_mesh(&self) -> Option<&MeshLight> {
+        if let Self::Mesh(light) = self { Some(light) } else { None }
     }
     /// Whether it is infinitely far: met by rays that leave the scene.
     #[inline]
@@ -149,7 +188,7 @@ impl Light {
         match self {
             Self::Distant(l) => l.is_delta(),
             Self::Sphere(l) => l.is_delta(),
-            Self::Dome(_) | Self::Rect(_) => false,
+            Self::Dome(_) | Self::Rect(_) | Self::Mesh(_) => false,
         }
     }
     /// Whether it emits nothing.
@@ -183,6 +222,7 @@ impl Light {
             Self::Dome(l) => &l.emission,
             Self::Rect(l) => &l.emission,
             Self::Sphere(l) => &l.emission,
+            Self::Mesh(l) => &l.emission,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use umber_math::blackbody::blackbody_rgb;
 use umber_math::{DAffine3, DVec3, Rgb};
 
+use super::EmitterMesh;
 use crate::EnvironmentMap;
 
 /// Radiance (irradiance, intensity) above this is cut: products with it stay finite in single precision.
@@ -37,6 +38,13 @@ pub enum LightKind {
         radius: f32,
         /// Shines like the sphere from afar, but from one point: no size, no soft shadow, not visible.
         treat_as_point: bool,
+    },
+    /// Triangles of a mesh; light space is the mesh's.
+    Mesh {
+        /// Those that emit.
+        mesh: Arc<EmitterMesh>,
+        /// How far rounding moves the triangles for rays, render-space units.
+        clearance: f32,
     },
 }
 
