@@ -24,24 +24,24 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits 
         }
         if (*dirtyBits & ~DirtyTransform) {
             _light->set_visible(delegate->GetVisible(GetId()));
-            _SyncParameters(delegate);
+            HdUmberSyncLightParameters(GetId(), delegate, &*_light);
         }
         _light->commit();
     });
     *dirtyBits = Clean;
 }
 
-void HdUmberLight::_SyncParameters(HdSceneDelegate *delegate)
+void HdUmberSyncLightParameters(SdfPath const &id, HdSceneDelegate *delegate, umber::Light *light)
 {
-    _light->reset_parameters();
+    light->reset_parameters();
     for (rust::String const &name : umber::light_parameters()) {
         TfToken const parameter{std::string(name)};
-        VtValue const value = delegate->GetLightParamValue(GetId(), parameter);
+        VtValue const value = delegate->GetLightParamValue(id, parameter);
         HdUmberNumbers const numbers = HdUmberReadNumbers(value);
         if (numbers.components > 0) {
-            _light->set_numbers(name, numbers.Slice());
+            light->set_numbers(name, numbers.Slice());
         } else if (!value.IsEmpty()) {
-            _light->set_text(name, HdUmberReadText(value));
+            light->set_text(name, HdUmberReadText(value));
         }
     }
 }

@@ -121,6 +121,8 @@ pub mod ffi {
         Dome,
         Rect,
         Sphere,
+        /// The mesh at the light's own path.
+        Mesh,
     }
 
     /// HdInterpolation.

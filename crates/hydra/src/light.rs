@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use umber_math::Rgb;
 use umber_render::Message;
-use umber_scene::{DomeTexture, LightId, LightKind, SceneEdit};
+use umber_scene::{DomeTexture, LightId, LightKind, MaterialSync, MeshId, SceneEdit};
 
 use crate::bridge::ffi;
 use crate::convert::affine;
@@ -13,7 +13,7 @@ use crate::guard::{Outcome, guard, guard_refusal};
 use crate::host::Host;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
-const PARAMETERS: [&str; 16] = [
+const PARAMETERS: [&str; 17] = [
     "color",
     "intensity",
     "exposure",
@@ -30,6 +30,7 @@ const PARAMETERS: [&str; 16] = [
     "treatAsPoint",
     "texture:file",
     "texture:format",
+    "materialSyncMode",
 ];
 
 /// UsdLux' fallback of `inputs:colorTemperature`.
@@ -50,18 +51,21 @@ pub fn light_parameters() -> Outcome<Vec<String>> {
 }
 
 /// The shape with UsdLux' fallbacks.
-fn kind(light_type: ffi::LightType) -> LightKind {
+fn kind(light_type: ffi::LightType, path: &str) -> LightKind {
     match light_type {
         ffi::LightType::Distant => LightKind::Distant { angle_deg: 0.53 },
         ffi::LightType::Dome => LightKind::Dome { texture: None },
         ffi::LightType::Rect => LightKind::Rect { width: 1.0, height: 1.0 },
+        ffi::LightType::Mesh => {
+            LightKind::Mesh { mesh: MeshId::new(path), material_sync: MaterialSync::GlowTintsLight }
+        }
         _ => LightKind::Sphere { radius: 0.5, treat_as_point: false },
     }
 }
 
 pub fn new_light(delegate: &Delegate, path: &str, light_type: ffi::LightType) -> Outcome<Box<Light>> {
     guard(|| {
-        let fallback = kind(light_type);
+        let fallback = kind(light_type, path);
         Box::new(Light {
             host: delegate.host(),
             id: LightId::new(path),
@@ -125,6 +129,13 @@ impl Light {
                 let text = format!("texture format '{text}' is not supported: the texture is read as latlong");
                 self.host.say(Message::warning(Some(self.id.path()), text));
             }
+            ("materialSyncMode", LightKind::Mesh { material_sync, .. }) => match material_sync_of(text) {
+                Some(mode) => *material_sync = mode,
+                None => {
+                    let text = format!("materialSyncMode '{text}' is not known: it is left out");
+                    self.host.say(Message::warning(Some(self.id.path()), text));
+                }
+            },
             _ => {}
         })
     }
@@ -135,6 +146,16 @@ impl Light {
 
     pub fn remove(&self) -> Outcome {
         guard_refusal(|| self.host.edit(SceneEdit::RemoveLight(self.id.clone())))
+    }
+}
+
+/// `light:materialSyncMode` by its token.
+fn material_sync_of(text: &str) -> Option<MaterialSync> {
+    match text {
+        "materialGlowTintsLight" => Some(MaterialSync::GlowTintsLight),
+        "independent" => Some(MaterialSync::Independent),
+        "noMaterialResponse" => Some(MaterialSync::NoResponse),
+        _ => None,
     }
 }
 
@@ -153,6 +174,19 @@ fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
 mod tests {
     use super::*;
     use crate::delegate::new_delegate;
+
+    #[test]
+    fn a_mesh_light_shines_from_the_mesh_at_its_path() {
+        let delegate = new_delegate().unwrap();
+        let mut light = new_light(&delegate, "/m", ffi::LightType::Mesh).unwrap();
+        light.set_text("materialSyncMode", "independent").unwrap();
+        let of = |material_sync| LightKind::Mesh { mesh: MeshId::new("/m"), material_sync };
+        assert_eq!(light.light.kind, of(MaterialSync::Independent));
+        light.set_text("materialSyncMode", "sometimes").unwrap();
+        assert_eq!(light.light.kind, of(MaterialSync::Independent));
+        light.reset_parameters().unwrap();
+        assert_eq!(light.light.kind, of(MaterialSync::GlowTintsLight));
+    }
 
     #[test]
     fn parameters_reach_their_fields() {

@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use umber_math::{DVec2, Rgb};
 use umber_scene::{
-    Camera, CameraId, ConformPolicy, DomeTexture, Light, LightId, LightKind, Material, MaterialId, OpacityMode,
-    PreviewSurface, Projection, SceneEdit,
+    Camera, CameraId, ConformPolicy, DomeTexture, Light, LightId, LightKind, Material, MaterialId, MaterialSync,
+    MeshId, OpacityMode, PreviewSurface, Projection, SceneEdit,
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
@@ -24,6 +24,8 @@ pub struct PyLight<'py> {
     radius: f32,
     treat_as_point: bool,
     texture_file: Option<String>,
+    mesh: Option<String>,
+    material_sync_mode: String,
     transform: Doubles<'py>,
     color: [f32; 3],
     intensity: f32,
@@ -45,6 +47,10 @@ impl PyLight<'_> {
             }
             "rect" => LightKind::Rect { width: self.width, height: self.height },
             "sphere" => LightKind::Sphere { radius: self.radius, treat_as_point: self.treat_as_point },
+            "mesh" => LightKind::Mesh {
+                mesh: MeshId::new(self.mesh.as_deref().unwrap_or_default()),
+                material_sync: self.material_sync()?,
+            },
             other => return Err(bad_value(format!("unknown kind of light '{other}'"))),
         };
         let light = Light {
@@ -60,6 +66,15 @@ impl PyLight<'_> {
             ..Light::new(kind)
         };
         Ok(SceneEdit::Light(LightId::new(&self.path), light))
+    }
+
+    fn material_sync(&self) -> PyResult<MaterialSync> {
+        match self.material_sync_mode.as_str() {
+            "materialGlowTintsLight" => Ok(MaterialSync::GlowTintsLight),
+            "independent" => Ok(MaterialSync::Independent),
+            "noMaterialResponse" => Ok(MaterialSync::NoResponse),
+            other => Err(bad_value(format!("unknown material sync mode '{other}'"))),
+        }
     }
 }
 

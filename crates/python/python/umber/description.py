@@ -89,7 +89,10 @@ class Camera:
 
 @dataclass(slots=True)
 class Light:
-    """A light of UsdLux: distant, dome, rect or sphere. What its kind does not have is ignored."""
+    """A light of UsdLux: distant, dome, rect, sphere or mesh. What its kind does not have is ignored.
+
+    `mesh`: path of the mesh that a mesh light shines from, wherever that stands.
+    """
 
     path: str
     kind: str
@@ -100,6 +103,8 @@ class Light:
     radius: float = 0.5
     treat_as_point: bool = False
     texture_file: str | None = None
+    mesh: str | None = None
+    material_sync_mode: str = "materialGlowTintsLight"
     color: Color = (1.0, 1.0, 1.0)
     intensity: float = 1.0
     exposure: float = 0.0

@@ -18,6 +18,7 @@ KINDS = {
     "RectLight": "rect",
     "SphereLight": "sphere",
 }
+MATERIAL_SYNC_MODES = ("materialGlowTintsLight", "independent", "noMaterialResponse")
 
 
 def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light]:
@@ -33,6 +34,24 @@ def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light
         _read_shape(reading, prim, light)
         _read_emission(reading, prim, light)
         yield light
+
+
+def read_mesh_light(reading: Reading, prim: Usd.Prim, mesh: str) -> Light:
+    """The light that shines from a described mesh: its own (UsdLuxMeshLightAPI), or a GeometryLight."""
+    path = mesh if prim.IsA(UsdGeom.Gprim) else reading.unique_path(prim.GetPath())
+    light = Light(path, "mesh", mesh=mesh)
+    mode = reading.value(prim, "light:materialSyncMode")
+    if mode in MATERIAL_SYNC_MODES:
+        light.material_sync_mode = mode
+    else:
+        reading.warn(prim, f"materialSyncMode '{mode}' is not known; taken as '{light.material_sync_mode}'")
+    _read_emission(reading, prim, light)
+    return light
+
+
+def geometry_targets(prim: Usd.Prim) -> list[Sdf.Path]:
+    """What a GeometryLight shines from."""
+    return list(prim.GetRelationship("geometry").GetForwardedTargets())
 
 
 def _to_space(reading: Reading, prim: Usd.Prim, space: Space) -> Gf.Matrix4d:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from pxr import Sdf, Usd, UsdShade
+from pxr import Sdf, Usd, UsdLux, UsdShade
 
-from umber.description import Prim
-from umber.stage_reader.lights import read_light
+from umber.description import Light, Prim
+from umber.stage_reader.lights import geometry_targets, read_light, read_mesh_light
 from umber.stage_reader.materials import read_material
 from umber.stage_reader.mesh import read_mesh, subset_prims
 from umber.stage_reader.reading import Reading
@@ -26,7 +26,10 @@ def read_stage(
     reading = Reading(stage, time, purposes, say)
     found = walk(reading)
     yield from found.instancers
+    geometry_lights = [prim for prim, _ in found.lights if prim.GetTypeName() == "GeometryLight"]
     for prim, space in found.lights:
+        if prim in geometry_lights:
+            continue
         try:
             yield from read_light(reading, prim, space)
         except (TypeError, ValueError) as error:
@@ -35,6 +38,8 @@ def read_stage(
     for path in sorted({path for path in materials.values() if path is not None}):
         yield read_material(reading, UsdShade.Material(stage.GetPrimAtPath(path)))
     skins = Skins(reading, found.skel_roots)
+    targets = {target for prim in geometry_lights for target in geometry_targets(prim)}
+    described: dict[Sdf.Path, list[str]] = {}
     prim_id = 0
     for prim, space, purpose in found.meshes:
         try:
@@ -47,6 +52,23 @@ def read_stage(
             mesh.prim_id = prim_id
             prim_id += 1
             yield mesh
+            if prim.HasAPI(UsdLux.LightAPI):
+                yield read_mesh_light(reading, prim, mesh.path)
+            if prim.GetPath() in targets:
+                described.setdefault(prim.GetPath(), []).append(mesh.path)
+    for prim in geometry_lights:
+        yield from _geometry_light(reading, prim, described)
+
+
+def _geometry_light(reading: Reading, prim: Usd.Prim, described: dict[Sdf.Path, list[str]]) -> Iterator[Light]:
+    """The lights of a GeometryLight, one for each mesh; `described`: paths of the meshes by those of their prims."""
+    targets = geometry_targets(prim)
+    meshes = [path for target in targets for path in described.get(target, [])]
+    if not meshes:
+        what = ", ".join(f"<{target}>" for target in targets) or "nothing"
+        reading.warn(prim, f"its geometry names no mesh that is shown ({what}): it does not shine")
+    for mesh in meshes:
+        yield read_mesh_light(reading, prim, mesh)
 
 
 def _bound_materials(reading: Reading, found: Found) -> dict[Sdf.Path, str | None]:
