@@ -59,6 +59,7 @@ pub struct LightHit {
 
 /// A light.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // rectangles are common, and met without a detour
 pub enum Light {
     /// From infinitely far, one direction.
     Distant(DistantLight),
