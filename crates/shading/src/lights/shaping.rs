@@ -89,7 +89,7 @@ impl Shaping {
         if cone.is_none() && focus == 0.0 && cleaned.ies.is_none() {
             return None;
         }
-        if matches!(p.kind, LightKind::Distant { .. } | LightKind::Dome { .. }) {
+        if matches!(p.kind, LightKind::Distant { .. } | LightKind::Dome { .. } | LightKind::Mesh { .. }) {
             problems.push(LightProblem::NotShaped);
             return None;
         }
@@ -244,7 +244,7 @@ fn support(cone: Option<SpotCone>, ies: Option<&Ies>) -> [f32; 2] {
 
 /// Whether the light's shape is flat, so that it shines to one side, by the cosine.
 fn is_flat(kind: &LightKind) -> bool {
-    matches!(kind, LightKind::Rect { .. })
+    matches!(kind, LightKind::Rect { .. } | LightKind::Disk { .. })
 }
 
 /// What remains when what is no number is left out.
