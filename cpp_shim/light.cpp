@@ -27,7 +27,7 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirty
         if (*dirtyBits & ~DirtyTransform) {
             _light->set_visible(delegate->GetVisible(GetId()));
             bool const wasLinked = _linked;
-            _SyncParameters(delegate);
+            _linked = HdUmberSyncLightParameters(GetId(), delegate, &*_light);
             if ((*dirtyBits & DirtyCollection) && (_linked || wasLinked)) {
                 static_cast<HdUmberRenderParam *>(param)->NoteMembers();
             }
@@ -37,30 +37,30 @@ void HdUmberLight::Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirty
     *dirtyBits = Clean;
 }
 
-void HdUmberLight::_SyncParameters(HdSceneDelegate *delegate)
+bool HdUmberSyncLightParameters(SdfPath const &id, HdSceneDelegate *delegate, umber::Light *light)
 {
-    _light->reset_parameters();
-    auto const isLinked = [&](TfToken const &link) {
-        return !delegate->GetLightParamValue(GetId(), link).GetWithDefault(TfToken()).IsEmpty();
-    };
-    _linked = isLinked(HdTokens->lightLink) || isLinked(HdTokens->shadowLink);
+    light->reset_parameters();
     for (rust::String const &name : umber::light_parameters()) {
         TfToken const parameter{std::string(name)};
-        VtValue const value = delegate->GetLightParamValue(GetId(), parameter);
+        VtValue const value = delegate->GetLightParamValue(id, parameter);
         HdUmberNumbers const numbers = HdUmberReadNumbers(value);
         if (value.IsHolding<SdfPathVector>()) {
-            _light->set_paths(name, HdUmberSlice(HdUmberTexts(value.UncheckedGet<SdfPathVector>())));
+            light->set_paths(name, HdUmberSlice(HdUmberTexts(value.UncheckedGet<SdfPathVector>())));
         } else if (numbers.components > 0) {
-            _light->set_numbers(name, numbers.Slice());
+            light->set_numbers(name, numbers.Slice());
         } else if (!value.IsEmpty()) {
-            _light->set_text(name, HdUmberReadText(value));
+            light->set_text(name, HdUmberReadText(value));
         }
     }
     // A DomeLight_1's poleAxis comes as a matrix.
-    VtValue const offset = delegate->GetLightParamValue(GetId(), HdLightTokens->domeOffset);
+    VtValue const offset = delegate->GetLightParamValue(id, HdLightTokens->domeOffset);
     if (offset.IsHolding<GfMatrix4d>()) {
-        _light->set_dome_offset(HdUmberMatrix(offset.UncheckedGet<GfMatrix4d>()));
+        light->set_dome_offset(HdUmberMatrix(offset.UncheckedGet<GfMatrix4d>()));
     }
+    auto const isLinked = [&](TfToken const &link) {
+        return !delegate->GetLightParamValue(id, link).GetWithDefault(TfToken()).IsEmpty();
+    };
+    return isLinked(HdTokens->lightLink) || isLinked(HdTokens->shadowLink);
 }
 
 void HdUmberLight::Finalize(HdRenderParam *param)

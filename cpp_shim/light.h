@@ -8,6 +8,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+/// Pulls all parameters of the prim's light that the Rust half reads; whether a link of it leaves anything out.
+bool HdUmberSyncLightParameters(SdfPath const &id, HdSceneDelegate *delegate, umber::Light *light);
+
 /// A light of any shape: the shape is known to the Rust half.
 class HdUmberLight final : public HdLight
 {
@@ -19,8 +22,6 @@ public:
     void Finalize(HdRenderParam *param) override;
 
 private:
-    void _SyncParameters(HdSceneDelegate *delegate);
-
     rust::Box<umber::Light> _light;
     /// Whether a link of it leaves anything out.
     bool _linked = false;

@@ -1,13 +1,16 @@
 #include "mesh.h"
 
 #include "conversions.h"
+#include "light.h"
 #include "meshPrimvars.h"
+#include "renderParam.h"
 #include "report.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/instancer.h"
 #include "pxr/imaging/hd/meshTopology.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
+#include "pxr/imaging/hd/tokens.h"
 
 #include <algorithm>
 
@@ -32,7 +35,7 @@ HdDirtyBits HdUmberMesh::GetInitialDirtyBitsMask() const
            HdChangeTracker::DirtyCategories;
 }
 
-void HdUmberMesh::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits *dirtyBits,
+void HdUmberMesh::Sync(HdSceneDelegate *delegate, HdRenderParam *param, HdDirtyBits *dirtyBits,
                        TfToken const &)
 {
     SdfPath const &id = GetId();
@@ -51,6 +54,7 @@ void HdUmberMesh::Sync(HdSceneDelegate *delegate, HdRenderParam *, HdDirtyBits *
         _SyncBinding(delegate, *dirtyBits);
         _SyncInstancing(delegate, dirtyBits);
         _mesh->commit();
+        _SyncLight(delegate, param);
     });
     *dirtyBits &= ~HdChangeTracker::AllSceneDirtyBits;
 }
@@ -107,6 +111,30 @@ void HdUmberMesh::_SyncInstancing(HdSceneDelegate *delegate, HdDirtyBits *dirtyB
     }
 }
 
+/// UsdLuxMeshLightAPI: the mesh is its own light. No dirty bit of meshes speaks of that: it is asked at each sync.
+void HdUmberMesh::_SyncLight(HdSceneDelegate *delegate, HdRenderParam *param)
+{
+    SdfPath const &id = GetId();
+    if (!delegate->GetLightParamValue(id, HdTokens->isLight).GetWithDefault(false)) {
+        if (_light) {
+            (*_light)->remove();
+            _light.reset();
+        }
+        return;
+    }
+    auto *const umberParam = static_cast<HdUmberRenderParam *>(param);
+    if (!_light) {
+        umber::Delegate const &umber = umberParam->GetDelegate();
+        _light.emplace(umber::new_light(umber, HdUmberText(id), umber::LightType::Mesh));
+    }
+    bool const wasLinked = _lightLinked;
+    _lightLinked = HdUmberSyncLightParameters(id, delegate, &**_light);
+    if (_lightLinked || wasLinked) {
+        umberParam->NoteMembers();
+    }
+    (*_light)->commit();
+}
+
 /// Hydra does not sync prims that no pass shows, so that a new tag is passed on at once.
 void HdUmberMesh::UpdateRenderTag(HdSceneDelegate *delegate, HdRenderParam *param)
 {
@@ -125,7 +153,12 @@ void HdUmberMesh::_InitRepr(TfToken const &reprToken, HdDirtyBits *)
 
 void HdUmberMesh::Finalize(HdRenderParam *param)
 {
-    HdUmberForward(GetId(), [&] { _mesh->remove(); });
+    HdUmberForward(GetId(), [&] {
+        if (_light) {
+            (*_light)->remove();
+        }
+        _mesh->remove();
+    });
     HdMesh::Finalize(param);
 }
 

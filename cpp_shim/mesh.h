@@ -6,6 +6,8 @@
 #include "pxr/pxr.h"
 #include "pxr/imaging/hd/mesh.h"
 
+#include <optional>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// A mesh.
@@ -28,8 +30,12 @@ private:
     void _SyncTopology(HdSceneDelegate *delegate);
     void _SyncBinding(HdSceneDelegate *delegate, HdDirtyBits dirtyBits);
     void _SyncInstancing(HdSceneDelegate *delegate, HdDirtyBits *dirtyBits);
+    void _SyncLight(HdSceneDelegate *delegate, HdRenderParam *param);
 
     rust::Box<umber::Mesh> _mesh;
+    std::optional<rust::Box<umber::Light>> _light;
+    /// Whether a link of the light leaves anything out.
+    bool _lightLinked = false;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

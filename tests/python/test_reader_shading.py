@@ -107,9 +107,9 @@ def test_shaping_and_shadows(read: Read) -> None:
 
 
 def test_other_lights_are_named_once(read: Read) -> None:
-    scene = read('def GeometryLight "glow" {}')
+    scene = read('def PluginLight "glow" {}')
     assert not scene.lights and len(scene.warnings) == 1
-    assert "</glow>" in scene.warnings[0] and "GeometryLight" in scene.warnings[0]
+    assert "</glow>" in scene.warnings[0] and "PluginLight" in scene.warnings[0]
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,8 @@ pub mod ffi {
         Cylinder,
         /// `light`: a portal, or nothing that Umber knows.
         Other,
+        /// The mesh at the light's own path.
+        Mesh,
     }
 
     /// HdInterpolation.

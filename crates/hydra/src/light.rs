@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use umber_math::{DAffine3, Rgb};
 use umber_render::Message;
-use umber_scene::{Category, DomeTexture, DomeTextureFormat, LightId, LightKind, SceneEdit};
+use umber_scene::{Category, DomeTexture, DomeTextureFormat, LightId, LightKind, MaterialSync, MeshId, SceneEdit};
 
 use crate::bridge::ffi;
 use crate::convert::affine;
@@ -14,7 +14,7 @@ use crate::host::Host;
 use crate::light_apis;
 
 /// Parameters that [`Light::set_numbers`] and [`Light::set_text`] know.
-const PARAMETERS: [&str; 22] = [
+const PARAMETERS: [&str; 23] = [
     "color",
     "intensity",
     "exposure",
@@ -36,6 +36,7 @@ const PARAMETERS: [&str; 22] = [
     "lightLink",
     "shadowLink",
     "portals",
+    "materialSyncMode",
     SHADER_ID,
 ];
 const SHADER_ID: &str = "light:shaderId";
@@ -63,7 +64,7 @@ pub fn light_parameters() -> Outcome<Vec<String>> {
 }
 
 /// The shape with UsdLux' fallbacks.
-fn kind(light_type: ffi::LightType) -> LightKind {
+fn kind(light_type: ffi::LightType, path: &str) -> LightKind {
     match light_type {
         ffi::LightType::Distant => LightKind::Distant { angle_deg: 0.53 },
         ffi::LightType::Dome => LightKind::Dome { texture: None },
@@ -71,13 +72,16 @@ fn kind(light_type: ffi::LightType) -> LightKind {
         ffi::LightType::Disk => LightKind::Disk { radius: 0.5 },
         ffi::LightType::Cylinder => LightKind::Cylinder { length: 1.0, radius: 0.5, treat_as_line: false },
         ffi::LightType::Other => LightKind::Portal { width: 1.0, height: 1.0 },
+        ffi::LightType::Mesh => {
+            LightKind::Mesh { mesh: MeshId::new(path), material_sync: MaterialSync::GlowTintsLight }
+        }
         _ => LightKind::Sphere { radius: 0.5, treat_as_point: false },
     }
 }
 
 pub fn new_light(delegate: &Delegate, path: &str, light_type: ffi::LightType) -> Outcome<Box<Light>> {
     guard(|| {
-        let fallback = kind(light_type);
+        let fallback = kind(light_type, path);
         Box::new(Light {
             host: delegate.host(),
             id: LightId::new(path),
@@ -156,6 +160,16 @@ impl Light {
             }
             "lightLink" => self.light.light_link = (!text.is_empty()).then(|| Category::new(text)),
             "shadowLink" => self.light.shadow_link = (!text.is_empty()).then(|| Category::new(text)),
+            "materialSyncMode" => {
+                let LightKind::Mesh { material_sync, .. } = &mut self.light.kind else { return };
+                match material_sync_of(text) {
+                    Some(mode) => *material_sync = mode,
+                    None => {
+                        let text = format!("materialSyncMode '{text}' is not known: it is left out");
+                        self.host.say(Message::warning(Some(self.id.path()), text));
+                    }
+                }
+            }
             SHADER_ID => {
                 if matches!(self.light.kind, LightKind::Portal { .. }) && text != "PortalLight" {
                     let text = format!("lights of this type are not supported; left out ({text})");
@@ -202,6 +216,16 @@ impl Light {
     }
 }
 
+/// `light:materialSyncMode` by its token.
+fn material_sync_of(text: &str) -> Option<MaterialSync> {
+    match text {
+        "materialGlowTintsLight" => Some(MaterialSync::GlowTintsLight),
+        "independent" => Some(MaterialSync::Independent),
+        "noMaterialResponse" => Some(MaterialSync::NoResponse),
+        _ => None,
+    }
+}
+
 fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
     match (kind, parameter) {
         (LightKind::Distant { angle_deg }, "angle") => *angle_deg = number,
@@ -220,6 +244,19 @@ fn shape(kind: &mut LightKind, parameter: &str, number: f32) {
 mod tests {
     use super::*;
     use crate::delegate::new_delegate;
+
+    #[test]
+    fn a_mesh_light_shines_from_the_mesh_at_its_path() {
+        let delegate = new_delegate().unwrap();
+        let mut light = new_light(&delegate, "/m", ffi::LightType::Mesh).unwrap();
+        light.set_text("materialSyncMode", "independent").unwrap();
+        let of = |material_sync| LightKind::Mesh { mesh: MeshId::new("/m"), material_sync };
+        assert_eq!(light.light.kind, of(MaterialSync::Independent));
+        light.set_text("materialSyncMode", "sometimes").unwrap();
+        assert_eq!(light.light.kind, of(MaterialSync::Independent));
+        light.reset_parameters().unwrap();
+        assert_eq!(light.light.kind, of(MaterialSync::GlowTintsLight));
+    }
 
     #[test]
     fn parameters_reach_their_fields() {

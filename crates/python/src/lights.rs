@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use umber_math::{DVec2, Rgb};
 use umber_scene::{
     Camera, CameraId, Category, ConformPolicy, DomeTexture, DomeTextureFormat, Light, LightId, LightKind, Material,
-    MaterialId, OpacityMode, PreviewSurface, Projection, SceneEdit,
+    MaterialId, MaterialSync, MeshId, OpacityMode, PreviewSurface, Projection, SceneEdit,
 };
 
 use crate::arrays::{Doubles, bad_value, transform};
@@ -28,6 +28,8 @@ pub struct PyLight<'py> {
     treat_as_line: bool,
     texture_file: Option<String>,
     texture_format: String,
+    mesh: Option<String>,
+    material_sync_mode: String,
     transform: Doubles<'py>,
     color: [f32; 3],
     intensity: f32,
@@ -62,6 +64,10 @@ impl PyLight<'_> {
                 LightKind::Cylinder { length: self.length, radius: self.radius, treat_as_line: self.treat_as_line }
             }
             "portal" => LightKind::Portal { width: self.width, height: self.height },
+            "mesh" => LightKind::Mesh {
+                mesh: MeshId::new(self.mesh.as_deref().unwrap_or_default()),
+                material_sync: self.material_sync()?,
+            },
             other => return Err(bad_value(format!("unknown kind of light '{other}'"))),
         };
         let category = |name: &Option<String>| name.as_deref().map(Category::new);
@@ -84,6 +90,15 @@ impl PyLight<'_> {
             ..Light::new(kind)
         };
         Ok(SceneEdit::Light(LightId::new(&self.path), light))
+    }
+
+    fn material_sync(&self) -> PyResult<MaterialSync> {
+        match self.material_sync_mode.as_str() {
+            "materialGlowTintsLight" => Ok(MaterialSync::GlowTintsLight),
+            "independent" => Ok(MaterialSync::Independent),
+            "noMaterialResponse" => Ok(MaterialSync::NoResponse),
+            other => Err(bad_value(format!("unknown material sync mode '{other}'"))),
+        }
     }
 }
 

@@ -60,7 +60,7 @@ pub struct PyInstancer<'py> {
     categories: Vec<Vec<String>>,
 }
 
-fn categories(names: &Vec<String>) -> Arc<[Category]> {
+fn categories(names: &[String]) -> Arc<[Category]> {
     names.iter().map(|name| Category::new(name)).collect()
 }
 
@@ -162,7 +162,7 @@ impl PyInstancer<'_> {
             parent_indices: Some(ints(&self.parent_indices, "parent_indices")?),
             transforms: Some(transforms(&self.transforms, "transforms")?),
             visible: Some(true),
-            categories: Some(self.categories.iter().map(categories).collect()),
+            categories: Some(self.categories.iter().map(|names| categories(names)).collect()),
         };
         Ok(SceneEdit::Instancer(InstancerId::new(&self.path), patch))
     }

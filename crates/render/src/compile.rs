@@ -1,5 +1,8 @@
 //! From the editable store to a frozen [`RenderScene`], reusing what did not change.
 
+#[cfg(test)]
+mod emitter_tests;
+mod emitters;
 mod instances;
 mod lights;
 mod materials;
@@ -14,8 +17,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use umber_bvh::InstanceBvh;
 use umber_math::{DAffine3, DVec3};
-use umber_scene::{Dirty, MaterialId, Mesh, MeshDirty, MeshId, SceneStore};
+use umber_scene::{Dirty, Light, LightKind, MaterialId, Mesh, MeshDirty, MeshId, SceneStore};
 
+pub use emitters::Emitters;
 pub use instances::InstanceNumber;
 pub use membership::Membership;
 
@@ -26,6 +30,7 @@ use crate::material::RenderMaterial;
 use crate::mesh::{MeshAttributes, MeshShape, RenderMesh};
 use crate::scene::RenderScene;
 use crate::{FilmDesc, Message};
+use emitters::EmitterCompiler;
 use lights::LightCompiler;
 
 /// The camera stands at most this far from render space's origin in each axis, scene units: render
@@ -68,6 +73,7 @@ pub struct Compiler {
     render_meshes: Arc<[RenderMesh]>,
     render_materials: Arc<[RenderMaterial]>,
     lights: LightCompiler,
+    emitters: EmitterCompiler,
     light_set: Arc<LightSet>,
     linking: Option<Arc<Linking>>,
     said: HashSet<Message>,
@@ -138,14 +144,20 @@ impl Compiler {
             self.place(store, origin, warn);
         }
         if !dirty.materials.is_empty() || self.render_materials.is_empty() {
-            (self.materials, self.render_materials) = materials::compile(store.materials());
+            (self.materials, self.render_materials) = materials::compile(store.materials(), warn);
         }
-        if top_stale || !dirty.meshes.is_empty() || !dirty.materials.is_empty() {
+        let surfaces_stale = top_stale || !dirty.meshes.is_empty() || !dirty.materials.is_empty();
+        let is_mesh_light = |light: &Light| matches!(light.kind, LightKind::Mesh { .. });
+        let has_mesh_lights = store.lights().values().any(is_mesh_light);
+        if surfaces_stale || !dirty.lights.is_empty() && (has_mesh_lights || self.emitters.in_use()) {
             self.bind(store, warn);
         }
-        if !dirty.lights.is_empty() || top_stale {
+        let emitting = || self.render_materials.iter().any(|m| !m.emission.is_black());
+        let emitters_stale = surfaces_stale && (self.emitters.in_use() || has_mesh_lights || emitting());
+        if !dirty.lights.is_empty() || top_stale || emitters_stale {
             let bounds = self.top.as_ref().map(|t| t.bvh.bounds()).unwrap_or_default();
-            let (light_set, links) = self.lights.compile(store.lights(), render_from_world, bounds, warn);
+            let emitters = self.emit(store, warn);
+            let (light_set, links) = self.lights.compile(store.lights(), render_from_world, bounds, emitters, warn);
             let membership = self.top.as_ref().and_then(|top| top.membership.as_ref());
             self.linking = Linking::new(membership, &links, &light_set).map(Arc::new);
             self.light_set = Arc::new(light_set);
@@ -264,21 +276,40 @@ impl Compiler {
 
     /// Meshes in the order of the hierarchy, with their materials.
     fn bind(&mut self, store: &SceneStore, warn: &mut dyn FnMut(&str, String)) {
+        let mesh_lights = emitters::mesh_lights(store, &mut |_, _| {});
         let shown = self.top.iter().flat_map(|top| &top.shown);
         let described = shown.filter_map(|id| Some((id, store.meshes().get(id)?, self.meshes.get(id)?)));
         self.render_meshes = described
             .map(|(id, mesh, compiled)| {
                 let materials = materials::of_mesh(mesh, &self.materials, &mut |text| warn(id.path(), text));
-                RenderMesh {
+                let mut mesh_as_shown = RenderMesh {
                     shape: Arc::clone(&compiled.shape),
                     attributes: Arc::clone(&compiled.attributes),
                     material: materials.whole,
                     face_materials: materials.faces,
                     culled_faces: mesh.culled_faces,
                     prim_id: mesh.prim_id,
+                };
+                let light = mesh_lights.get(id);
+                if light.is_some_and(|l| l.replaces_material(&mesh_as_shown, &self.render_materials)) {
+                    mesh_as_shown.material = materials::black(&self.render_materials);
+                    mesh_as_shown.face_materials = None;
                 }
+                mesh_as_shown
             })
             .collect();
+    }
+
+    /// The lights of meshes that emit.
+    fn emit(&mut self, store: &SceneStore, warn: &mut dyn FnMut(&str, String)) -> Emitters {
+        let Some(top) = &self.top else { return Emitters::default() };
+        let shown = emitters::Shown {
+            ids: &top.shown,
+            meshes: &self.render_meshes,
+            materials: &self.render_materials,
+            top: &top.bvh,
+        };
+        self.emitters.compile(&shown, store, warn)
     }
 }
 

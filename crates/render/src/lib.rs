@@ -6,6 +6,7 @@ mod adaptive;
 mod aov;
 mod camera;
 mod compile;
+mod emitter_index;
 mod film;
 mod format;
 mod integrator;

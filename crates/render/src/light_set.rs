@@ -1,8 +1,11 @@
 //! All lights of a render scene, ready to be sampled and met by rays.
 
-use umber_bvh::BoundsBvh;
-use umber_math::{Bounds3, Point3, Ray, Rgb};
-use umber_shading::{Light, LightSampler};
+use umber_bvh::{BoundsBvh, Hit};
+use umber_math::{Bounds3, Ray, Rgb};
+use umber_shading::{Light, LightSampler, Receiver};
+
+use crate::compile::Emitters;
+use crate::emitter_index::{EmitterIndex, FoundEmitter};
 
 /// Up to so many shapes are tried one by one.
 const FEW: usize = 4;
@@ -18,6 +21,8 @@ pub struct LightSet {
     infinite: Vec<u32>,
     /// Radius of a sphere around the scene, as the samplers want it.
     scene_radius: f32,
+    /// Lights that are geometry.
+    emitters: EmitterIndex,
 }
 
 /// A ray's hit with a light.
@@ -38,16 +43,28 @@ impl Default for LightSet {
 impl LightSet {
     /// Lights of a scene with these bounds, both in render space. Lights that emit nothing are left out.
     pub fn new(lights: Vec<Light>, scene_bounds: Bounds3) -> Self {
-        let lights: Vec<Light> = lights.into_iter().filter(|light| !light.is_black()).collect();
+        Self::with_emitters(lights, Emitters::default(), scene_bounds)
+    }
+
+    /// As [`new`](Self::new), with the lights of meshes beside the others.
+    pub fn with_emitters(lights: Vec<Light>, emitters: Emitters, scene_bounds: Bounds3) -> Self {
+        let mut lights: Vec<Light> = lights.into_iter().filter(|light| !light.is_black()).collect();
+        let mut index = emitters.index;
+        for light in emitters.lights {
+            let light = light.filter(|light| !light.is_black());
+            index.push_light(light.is_some().then_some(lights.len() as u32));
+            lights.extend(light);
+        }
         let numbered = || lights.iter().zip(0u32..);
-        let shapes: Vec<u32> = numbered().filter(|(l, _)| l.bounds().is_some() && !l.is_delta()).map(|l| l.1).collect();
+        let has_shape = |l: &Light| l.bounds().is_some() && !l.is_delta() && l.as_mesh().is_none();
+        let shapes: Vec<u32> = numbered().filter(|(l, _)| has_shape(l)).map(|l| l.1).collect();
         let boxes: Vec<Bounds3> = shapes.iter().filter_map(|i| lights[*i as usize].bounds()).collect();
         let infinite = numbered().filter(|(l, _)| l.is_infinite() && !l.is_delta()).map(|l| l.1).collect();
         let all = boxes.iter().fold(scene_bounds, |a, b| a.union(*b));
         let radius = 0.5 * all.size().length();
         let scene_radius = if radius.is_finite() { radius } else { 1.0 };
         let sampler = LightSampler::new(&lights, scene_radius);
-        Self { shapes_bvh: BoundsBvh::build(&boxes), sampler, shapes, infinite, lights, scene_radius }
+        Self { shapes_bvh: BoundsBvh::build(&boxes), sampler, shapes, infinite, lights, scene_radius, emitters: index }
     }
 
     /// All lights, by index.
@@ -63,15 +80,20 @@ impl LightSet {
         let chosen: Vec<Light> = lights.iter().map(|light| self.lights[*light as usize].clone()).collect();
         LightSampler::new(&chosen, self.scene_radius)
     }
-    /// Chooses a light for a point: its index and the probability of the choice.
+    /// What emits at a hit with geometry; `None` where nothing does.
     #[inline]
-    pub fn choose(&self, p: Point3, u: f32) -> Option<(u32, f32)> {
-        self.sampler.sample(p, u).map(|(index, pmf)| (index as u32, pmf))
+    pub fn emitter_at(&self, hit: &Hit) -> Option<FoundEmitter> {
+        self.emitters.find(hit)
+    }
+    /// Chooses a light for a receiver: its index and the probability of the choice.
+    #[inline]
+    pub fn choose(&self, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+        self.sampler.sample(receiver, u).map(|(index, pmf)| (index as u32, pmf))
     }
     /// Probability with which [`choose`](Self::choose) takes a light.
     #[inline]
-    pub fn pmf(&self, p: Point3, light: u32) -> f32 {
-        self.sampler.pmf(p, light as usize)
+    pub fn pmf(&self, receiver: &Receiver, light: u32) -> f32 {
+        self.sampler.pmf(receiver, light as usize)
     }
 
     /// The nearest light shape on a ray. A side that does not emit is black; the camera looks through it.

@@ -9,9 +9,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use umber_bvh::Hit;
-use umber_math::{Point3, Ray};
+use umber_math::Ray;
 use umber_scene::Category;
-use umber_shading::LightSampler;
+use umber_shading::{LightSampler, Receiver};
 
 use crate::compile::Membership;
 use crate::light_set::{LightSet, ShapeHit};
@@ -180,24 +180,24 @@ impl RenderScene {
         self.linking.as_ref().map_or(Links::default(), |linking| linking.links_at(hit))
     }
 
-    /// Chooses a light for a point of a surface: its index and the probability of the choice.
+    /// Chooses a light for a surface: its index and the probability of the choice.
     #[inline]
-    pub fn choose_light(&self, links: Links, p: Point3, u: f32) -> Option<(u32, f32)> {
-        let Some(linking) = &self.linking else { return self.lights.choose(p, u) };
+    pub fn choose_light(&self, links: Links, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+        let Some(linking) = &self.linking else { return self.lights.choose(receiver, u) };
         let Some(chooser) = linking.chooser(links) else {
-            return self.lights.choose(p, u).filter(|(light, _)| linking.is_lit(links, *light));
+            return self.lights.choose(receiver, u).filter(|(light, _)| linking.is_lit(links, *light));
         };
-        chooser.sampler.sample(p, u).map(|(position, pmf)| (chooser.lights[position], pmf))
+        chooser.sampler.sample(receiver, u).map(|(position, pmf)| (chooser.lights[position], pmf))
     }
 
     /// Probability with which [`choose_light`](Self::choose_light) takes a light.
     #[inline]
-    pub fn light_pmf(&self, links: Links, p: Point3, light: u32) -> f32 {
+    pub fn light_pmf(&self, links: Links, receiver: &Receiver, light: u32) -> f32 {
         let Some(chooser) = self.linking.as_ref().and_then(|linking| linking.chooser(links)) else {
-            return self.lights.pmf(p, light);
+            return self.lights.pmf(receiver, light);
         };
         let position = chooser.positions.get(light as usize).copied().flatten();
-        position.map_or(0.0, |position| chooser.sampler.pmf(p, position as usize))
+        position.map_or(0.0, |position| chooser.sampler.pmf(receiver, position as usize))
     }
 
     /// Whether a light illuminates a surface.

@@ -129,3 +129,50 @@ fn a_rect_light_has_one_side() {
         assert!(color(&session).iter().all(|p| *p == want), "{:?}", color(&session)[0]);
     }
 }
+
+/// A square of two units over a floor, as a rect light and as a mesh that emits: the same light falls on the floor,
+/// near the square and below it.
+#[test]
+fn an_emitting_square_is_a_rect_light() {
+    let square = |z: f32, cells: i32| {
+        let points: Vec<umber_math::Vec3> = (0..=cells)
+            .flat_map(|j| (0..=cells).map(move |i| (i, j)))
+            .map(|(i, j)| umber_math::Vec3::new(i as f32, j as f32, 0.0) * (2.0 / cells as f32))
+            .map(|p| p + umber_math::Vec3::new(-1.0, -1.0, z))
+            .collect();
+        let at = |i, j| j * (cells + 1) + i;
+        let face = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        let faces: Vec<i32> = (0..cells).flat_map(|j| (0..cells).flat_map(move |i| face(i, j))).collect();
+        let topology = umber_scene::Topology {
+            scheme: umber_scene::SubdivisionScheme::None,
+            face_vertex_counts: vec![4; (cells * cells) as usize].into(),
+            face_vertex_indices: faces.into(),
+            ..umber_scene::Topology::default()
+        };
+        MeshPatch { topology: Some(topology.into()), points: Some(points.into()), ..cube() }
+    };
+    for (height, cells) in [(0.6f32, 1), (0.6, 6), (0.02, 2)] {
+        let render = |as_mesh: bool| {
+            // The camera looks at the floor from below the square.
+            let session = session(f64::from(height) * 0.9, 256, &[Aov::Color]);
+            session.edit(mesh("/floor", square(0.0, 1))).unwrap();
+            bind(&session, "/floor", "/grey", lambert(0.5, 0.0));
+            if as_mesh {
+                session.edit(mesh("/square", square(height, cells))).unwrap();
+                bind(&session, "/square", "/glow", lambert(0.0, 3.0));
+            } else {
+                let light = Light {
+                    intensity: 3.0,
+                    world_from_light: DAffine3::from_translation(DVec3::new(0.0, 0.0, f64::from(height))),
+                    ..Light::new(LightKind::Rect { width: 2.0, height: 2.0 })
+                };
+                session.edit(SceneEdit::Light(LightId::new("/l"), light)).unwrap();
+            }
+            finish(&session);
+            assert_messages(&session, &[]);
+            mean(&color(&session))
+        };
+        let (got, want) = (render(true), render(false));
+        assert!((got / want - 1.0).abs() < 3e-3, "{cells} cells at {height}: {got}, not {want}");
+    }
+}

@@ -19,7 +19,7 @@ pub use dirty::{Dirty, MeshDirty};
 pub use edit::SceneEdit;
 pub use ids::{CameraId, Category, InstancerId, LightId, MaterialId, MeshId};
 pub use instancer::{Instancer, InstancerPatch};
-pub use light::{DomeTexture, DomeTextureFormat, Light, LightKind};
+pub use light::{DomeTexture, DomeTextureFormat, Light, LightKind, MaterialSync};
 pub use material::{Material, OpacityMode, PreviewSurface};
 pub use mesh::{CulledFaces, GeomSubset, Mesh, MeshPatch, Purpose};
 pub use shaping::{Shadow, Shaping};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use umber_math::{DAffine3, Rgb};
 
-use crate::{Category, LightId, Shadow, Shaping};
+use crate::{Category, LightId, MeshId, Shadow, Shaping};
 
 /// A dome light's picture (`inputs:texture:file`).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +44,18 @@ impl DomeTextureFormat {
             _ => return None,
         })
     }
+}
+
+/// `light:materialSyncMode`: how the material of a mesh and the light that shines from it go together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MaterialSync {
+    /// The material's glow is seen; it lights things multiplied by the light's colour and brightness.
+    #[default]
+    GlowTintsLight,
+    /// The material's glow is seen; what lights things is the light's alone.
+    Independent,
+    /// As if there were no material: a black surface that shines.
+    NoResponse,
 }
 
 /// The shape of a light, in light space: it shines along -Z where it has a direction.
@@ -94,6 +106,13 @@ pub enum LightKind {
         width: f32,
         /// Extent along Y, light-space units.
         height: f32,
+    },
+    /// A mesh, wherever it is shown; the light's own transform is of no account.
+    Mesh {
+        /// Which.
+        mesh: MeshId,
+        /// What its material has to do with it.
+        material_sync: MaterialSync,
     },
 }
 

@@ -18,9 +18,9 @@ pub use environment::{EnvironmentMap, TextureFormat};
 pub use ies::{IesError, IesProfile};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{
-    CylinderLight, DiskLight, DistantLight, DomeLight, IesParams, Light, LightHit, LightKind, LightParams,
-    LightProblem, LightSample, LightSampler, LightTexture, Portal, RectLight, ShadowParams, ShadowShape, ShapingParams,
-    SphereLight,
+    CylinderLight, DiskLight, DistantLight, DomeLight, EmitterMesh, EmitterTriangle, IesParams, Light, LightHit,
+    LightKind, LightParams, LightProblem, LightSample, LightSampler, LightTexture, MeshLight, Portal, Receiver,
+    RectLight, ShadowParams, ShadowShape, ShapingParams, SphereLight,
 };
 pub use material::Material;
 pub use preview_surface::{OpacityMode, PreviewSurface};

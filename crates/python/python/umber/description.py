@@ -118,9 +118,10 @@ class Shadow:
 
 @dataclass(slots=True)
 class Light:
-    """A light of UsdLux: distant, dome, rect, sphere, disk, cylinder or portal. What its kind does not have is ignored.
+    """A light of UsdLux: distant, dome, rect, sphere, disk, cylinder, portal or mesh.
 
-    `portals`: paths of the portals of a dome. Links name the category of what the light illuminates, and of what
+    What its kind does not have is ignored. `portals`: paths of the portals of a dome. `mesh`: path of the mesh that a
+    mesh light shines from, wherever that stands. Links name the category of what the light illuminates, and of what
     casts shadows in it; None is everything.
     """
 
@@ -136,6 +137,8 @@ class Light:
     treat_as_line: bool = False
     texture_file: str | None = None
     texture_format: str = "automatic"
+    mesh: str | None = None
+    material_sync_mode: str = "materialGlowTintsLight"
     color: Color = (1.0, 1.0, 1.0)
     intensity: float = 1.0
     exposure: float = 0.0

@@ -8,6 +8,7 @@ use umber_math::{Bounds3, DAffine3};
 use umber_scene::{DomeTexture, DomeTextureFormat, Light, LightId, LightKind};
 use umber_shading::{EnvironmentMap, ImageError, LightParams, LightTexture, Portal, ShadowParams, TextureFormat};
 
+use super::emitters::Emitters;
 use super::profiles::Profiles;
 use crate::light_set::LightSet;
 use crate::linking::LightLinks;
@@ -30,6 +31,7 @@ impl LightCompiler {
         lights: &BTreeMap<LightId, Light>,
         render_from_world: DAffine3,
         scene_bounds: Bounds3,
+        emitters: Emitters,
         warn: &mut dyn FnMut(&str, String),
     ) -> (LightSet, Vec<LightLinks>) {
         self.domes.retain(|(file, format), _| {
@@ -42,19 +44,22 @@ impl LightCompiler {
         let shines = |light: &Light| light.visible && !matches!(light.kind, LightKind::Portal { .. });
         for (id, light) in lights.iter().filter(|(_, light)| shines(light)) {
             let portals = portals(id, light, lights, render_from_world, warn);
-            let params = self.params(id, light, render_from_world, warn);
+            let Some(params) = self.params(id, light, render_from_world, warn) else { continue };
             match umber_shading::Light::new(&params) {
                 Ok((shape, problems)) => {
                     problems.iter().for_each(|problem| warn(id.path(), problem.to_string()));
                     if !shape.is_black() {
                         made.push(shape.with_portals(portals));
-                        links.push(LightLinks { light: light.light_link.clone(), shadow: light.shadow_link.clone() });
+                        links.push(self::links(light));
                     }
                 }
                 Err(problem) => warn(id.path(), problem.to_string()),
             }
         }
-        (LightSet::new(made, scene_bounds), links)
+        links.extend(emitters.links.iter().cloned());
+        let set = LightSet::with_emitters(made, emitters, scene_bounds);
+        debug_assert_eq!(links.len(), set.lights().len());
+        (set, links)
     }
 
     fn params(
@@ -63,7 +68,7 @@ impl LightCompiler {
         light: &Light,
         render_from_world: DAffine3,
         warn: &mut dyn FnMut(&str, String),
-    ) -> LightParams {
+    ) -> Option<LightParams> {
         let kind = match &light.kind {
             LightKind::Distant { angle_deg } => umber_shading::LightKind::Distant { angle_deg: *angle_deg },
             LightKind::Rect { width, height } => umber_shading::LightKind::Rect { width: *width, height: *height },
@@ -79,24 +84,14 @@ impl LightCompiler {
                 let texture = texture.as_ref().and_then(|t| usable(self.dome(t), id, warn));
                 umber_shading::LightKind::Dome { texture }
             }
+            // made with the mesh's emitters
+            LightKind::Mesh { .. } => return None,
         };
-        let texture = rect_texture(light).and_then(|file| usable(self.rect(file), id, warn));
-        LightParams {
-            kind,
-            texture,
-            render_from_light: render_from_world * light.world_from_light,
-            color: light.color,
-            intensity: light.intensity,
-            exposure: light.exposure,
-            normalize: light.normalize,
-            color_temperature: light.color_temperature,
-            diffuse: light.diffuse,
-            specular: light.specular,
-            shadow_enable: light.shadow_enable,
-            camera_visible: light.camera_visible,
+        Some(LightParams {
+            texture: rect_texture(light).and_then(|file| usable(self.rect(file), id, warn)),
             shaping: self.profiles.shaping(id, &light.shaping, warn),
-            shadow: shadow(&light.shadow),
-        }
+            ..params(light, kind, render_from_world * light.world_from_light)
+        })
     }
 
     fn dome(&mut self, texture: &DomeTexture) -> &Read<EnvironmentMap> {
@@ -114,6 +109,29 @@ impl LightCompiler {
     fn rect(&mut self, file: &PathBuf) -> &Read<LightTexture> {
         self.rects.entry(file.clone()).or_insert_with(|| LightTexture::load(file).map(Arc::new))
     }
+}
+
+/// A light of the kind given, with what lights of all kinds have; without picture and shaping.
+pub fn params(light: &Light, kind: umber_shading::LightKind, render_from_light: DAffine3) -> LightParams {
+    LightParams {
+        render_from_light,
+        color: light.color,
+        intensity: light.intensity,
+        exposure: light.exposure,
+        normalize: light.normalize,
+        color_temperature: light.color_temperature,
+        diffuse: light.diffuse,
+        specular: light.specular,
+        shadow_enable: light.shadow_enable,
+        camera_visible: light.camera_visible,
+        shadow: shadow(&light.shadow),
+        ..LightParams::new(kind)
+    }
+}
+
+/// The links of a light.
+pub fn links(light: &Light) -> LightLinks {
+    LightLinks { light: light.light_link.clone(), shadow: light.shadow_link.clone() }
 }
 
 fn rect_texture(light: &Light) -> Option<&PathBuf> {
@@ -166,7 +184,7 @@ mod tests {
         let lights: BTreeMap<_, _> = lights.into_iter().map(|(path, light)| (LightId::new(path), light)).collect();
         let mut said = Vec::new();
         let mut warn = |path: &str, text: String| said.push((path.to_owned(), text));
-        let (set, _) = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, &mut warn);
+        let (set, _) = compiler.compile(&lights, DAffine3::IDENTITY, Bounds3::EMPTY, Emitters::default(), &mut warn);
         (set, said)
     }
 

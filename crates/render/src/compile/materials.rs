@@ -5,14 +5,46 @@ use std::sync::Arc;
 
 use umber_math::Rgb;
 use umber_scene::{Material, MaterialId, Mesh, OpacityMode};
+use umber_shading::Lobes;
 
 use crate::material::RenderMaterial;
 use crate::mesh::NO_MATERIAL;
 
-/// All materials, and their index by path.
-pub fn compile(materials: &BTreeMap<MaterialId, Material>) -> (BTreeMap<MaterialId, u32>, Arc<[RenderMaterial]>) {
+/// All materials and behind them a black one, and their index by path. Says what of their emission cannot be used.
+pub fn compile(
+    materials: &BTreeMap<MaterialId, Material>,
+    warn: &mut dyn FnMut(&str, String),
+) -> (BTreeMap<MaterialId, u32>, Arc<[RenderMaterial]>) {
+    for (id, material) in materials {
+        if let Material::Preview(surface) = material
+            && let Some(problem) = emission_problem(surface.emissive_color)
+        {
+            warn(id.path(), problem.to_owned());
+        }
+    }
     let indices = materials.keys().cloned().zip(0..).collect();
-    (indices, materials.values().map(compile_one).collect())
+    let lobes = Some(Lobes::lambert(Rgb::BLACK));
+    let black = RenderMaterial { lobes, emission: Rgb::BLACK, presence: 1.0 };
+    (indices, materials.values().map(compile_one).chain([black]).collect())
+}
+
+/// Index of the black material.
+pub fn black(materials: &[RenderMaterial]) -> u32 {
+    materials.len() as u32 - 1
+}
+
+/// What is wrong with an `emissiveColor`.
+fn emission_problem(color: Rgb) -> Option<&'static str> {
+    let any = |test: fn(f32) -> bool| color.0.to_array().into_iter().any(test);
+    if any(f32::is_nan) {
+        Some("emissiveColor is not a number; it counts as zero")
+    } else if any(|c| c < 0.0) {
+        Some("emissiveColor is negative; it counts as zero")
+    } else if any(|c| c > 1e30) {
+        Some("emissiveColor is brighter than can be rendered; it is cut to 1e30")
+    } else {
+        None
+    }
 }
 
 fn compile_one(material: &Material) -> RenderMaterial {

@@ -1,8 +1,9 @@
 //! Unidirectional path tracing with next-event estimation and multiple importance sampling.
 
-use umber_math::{Point3, Ray, Rgb, Vector3};
+use umber_bvh::Hit;
+use umber_math::{Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
-use umber_shading::{Bsdf, LobeKind};
+use umber_shading::{Bsdf, LobeKind, Receiver};
 
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
@@ -23,7 +24,7 @@ enum Origin {
     },
     /// By the BSDF at a point, with this density.
     Bsdf {
-        point: Point3,
+        receiver: Receiver,
         pdf_solid_angle: f32,
         diffuse_share: Rgb,
         links: Links,
@@ -69,7 +70,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
             break;
         };
         let surface = SurfaceInteraction::new(scene, &hit);
-        radiance += throughput * surface.emission;
+        radiance += throughput * from_surface(scene, &hit, &surface, ray.direction, origin);
         if bounce == scene.settings.max_bounces {
             break;
         }
@@ -95,9 +96,12 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         let (diffuse_share, links) = (share(sample.f_diffuse, sample.f), surface.links);
         origin = match sample.lobe {
             LobeKind::Delta => Origin::Delta { diffuse_share, links },
-            LobeKind::Diffuse | LobeKind::Glossy => {
-                Origin::Bsdf { point: surface.at.point, pdf_solid_angle: sample.pdf_solid_angle, diffuse_share, links }
-            }
+            LobeKind::Diffuse | LobeKind::Glossy => Origin::Bsdf {
+                receiver: receiver(&surface, wo),
+                pdf_solid_angle: sample.pdf_solid_angle,
+                diffuse_share,
+                links,
+            },
         };
         ray = surface.at.spawn_ray(sample.wi);
     }
@@ -137,21 +141,27 @@ fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
     Rgb::splat(light.specular()) + diffuse_share * (light.diffuse() - light.specular())
 }
 
-/// Weight of a light's radiance that was found by following a ray.
-fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin) -> Rgb {
+/// A surface as it asks for light, on the viewer's side.
+fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
+    let at = &surface.at;
+    Receiver { point: at.point, normal: at.normal.facing(wo), clearance: at.clearance }
+}
+
+/// Weight of a light's radiance that was found by following a ray. `density`: with which the light, once chosen,
+/// makes the ray's direction.
+fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: impl Fn(&Receiver) -> f32) -> Rgb {
     if origin.links().is_some_and(|links| !scene.is_lit(links, light)) {
         return Rgb::BLACK;
     }
     match origin {
         Origin::Camera => Rgb::WHITE,
         Origin::Delta { diffuse_share, .. } => multiplier(scene, light, diffuse_share),
-        Origin::Bsdf { point, pdf_solid_angle, diffuse_share, links } => {
-            let of_light = &scene.lights.lights()[light as usize];
+        Origin::Bsdf { receiver, pdf_solid_angle, diffuse_share, links } => {
             if !scene.is_found_by_rays(light) {
                 // its shadows are not those that rays meet
                 return Rgb::BLACK;
             }
-            let pdf_light = scene.light_pmf(links, point, light) * of_light.pdf_solid_angle(point, wi);
+            let pdf_light = scene.light_pmf(links, &receiver, light) * density(&receiver);
             let mis_weight_bsdf = power_heuristic(pdf_solid_angle, pdf_light);
             multiplier(scene, light, diffuse_share) * mis_weight_bsdf
         }
@@ -159,7 +169,25 @@ fn weight_of_found(scene: &RenderScene, light: u32, wi: Vector3, origin: Origin)
 }
 
 fn from_shape(scene: &RenderScene, hit: &ShapeHit, ray: &Ray, origin: Origin) -> Rgb {
-    hit.radiance * weight_of_found(scene, hit.light, ray.direction, origin)
+    let light = &scene.lights.lights()[hit.light as usize];
+    let density = |r: &Receiver| light.pdf_solid_angle(r.point, ray.direction);
+    hit.radiance * weight_of_found(scene, hit.light, origin, density)
+}
+
+/// Radiance that geometry emits against a ray.
+fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi: Vector3, origin: Origin) -> Rgb {
+    let Some(emitter) = scene.lights.emitter_at(hit) else { return surface.emission };
+    let as_light = matches!(origin, Origin::Bsdf { .. });
+    if emitter.glows && !as_light {
+        return surface.emission;
+    }
+    let Some(index) = emitter.light else { return Rgb::BLACK };
+    let Some(light) = scene.lights.lights()[index as usize].as_mesh() else { return Rgb::BLACK };
+    let radiance = light.radiance(hit.triangle, wi, surface.at.normal);
+    if radiance.is_black() {
+        return Rgb::BLACK;
+    }
+    radiance * weight_of_found(scene, index, origin, |r| light.pdf_solid_angle(r, hit.triangle, wi))
 }
 
 /// Radiance of the lights around the scene, and whether the camera sees any of them.
@@ -174,7 +202,7 @@ fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool
             continue;
         }
         if let Some(radiance) = of_light.radiance_from_infinity(wi) {
-            sum += radiance * weight_of_found(scene, light, wi, origin);
+            sum += radiance * weight_of_found(scene, light, origin, |r| of_light.pdf_solid_angle(r.point, wi));
             seen = true;
         }
     }
@@ -192,12 +220,12 @@ fn direct(
     rays: &mut u64,
 ) -> Rgb {
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
-    let Some((index, pmf)) = scene.choose_light(surface.links, surface.at.point, sampler.next_1d()) else {
-        return Rgb::BLACK;
-    };
+    let receiver = receiver(surface, wo);
+    let chosen = scene.choose_light(surface.links, &receiver, sampler.next_1d());
+    let Some((index, pmf)) = chosen else { return Rgb::BLACK };
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
-    let Some(sample) = light.sample(surface.at.point, sampler.next_2d()) else { return Rgb::BLACK };
+    let Some(sample) = light.sample_for(&receiver, sampler.next_2d()) else { return Rgb::BLACK };
     let value = bsdf.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
     let pdf_light = pmf * sample.pdf_solid_angle;

@@ -109,7 +109,8 @@ impl Worker {
             triangles: shapes().map(|shape| shape.mesh.len() as u64).sum(),
             instances: scene.instance_count,
             lights: scene.lights.lights().len() as u64,
-            materials: scene.materials.len() as u64,
+            // the black one is the compiler's own
+            materials: scene.materials.len().saturating_sub(1) as u64,
             geometry_bytes: (shapes().map(|shape| shape.memory_bytes()).sum::<usize>() + scene.top.memory_bytes())
                 as u64,
             film_bytes: film.memory_bytes(if scene.settings.converged_variance >= 0.0 { 2 } else { 1 }) as u64,

@@ -3,12 +3,15 @@
 //! Radiometry is UsdLux's (OpenUSD 25.08, `UsdLuxLightAPI`): radiance is intensity · 2^exposure · color, times
 //! the colour of the temperature, divided by the size with `normalize`.
 
+mod cluster;
 mod cylinder;
 mod disk;
 mod distant;
 mod dome;
+mod mesh;
 mod params;
 mod portal;
+mod receiver;
 mod rect;
 mod select;
 mod shadow;
@@ -17,19 +20,24 @@ mod sphere;
 mod spherical_rect;
 mod texture;
 mod tree;
+mod triangle;
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec2;
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
+use cluster::Cone;
 pub use cylinder::CylinderLight;
 pub use disk::DiskLight;
 pub use distant::DistantLight;
 pub use dome::DomeLight;
+pub use mesh::{EmitterMesh, EmitterTriangle, MeshLight};
 use params::Emission;
 pub use params::{LightKind, LightParams, LightProblem};
 pub use portal::Portal;
+pub use receiver::Receiver;
 pub use rect::RectLight;
 pub use select::LightSampler;
 pub use shadow::{ShadowParams, ShadowShape};
@@ -65,6 +73,7 @@ pub struct LightHit {
 
 /// A light.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // rectangles are common, and met without a detour
 pub enum Light {
     /// From infinitely far, one direction.
     Distant(DistantLight),
@@ -78,6 +87,8 @@ pub enum Light {
     Disk(DiskLight),
     /// A cylinder or a line.
     Cylinder(CylinderLight),
+    /// The triangles of a mesh, which rays meet as geometry.
+    Mesh(Box<MeshLight>),
 }
 
 impl Light {
@@ -101,6 +112,9 @@ impl Light {
             LightKind::Cylinder { length, radius, treat_as_line } => {
                 Self::Cylinder(CylinderLight::new(desc, *length, *radius, *treat_as_line, &mut problems)?)
             }
+            LightKind::Mesh { mesh, clearance } => {
+                Self::Mesh(Box::new(MeshLight::new(desc, Arc::clone(mesh), *clearance, &mut problems)?))
+            }
         };
         Ok((light, problems))
     }
@@ -114,13 +128,23 @@ impl Light {
             Self::Sphere(l) => l.sample(p, u),
             Self::Disk(l) => l.sample(p, u),
             Self::Cylinder(l) => l.sample(p, u),
+            Self::Mesh(l) => l.sample(&Receiver::all_around(p), u),
         }?;
         if let Some(shaping) = &self.emission().shaping {
             sample.radiance = shaping.shape(sample.radiance, -sample.wi);
         }
         Some(sample)
     }
-    /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights.
+    /// As [`Light::sample`]; a light of many parts chooses those that shine on the receiver's side.
+    #[inline]
+    pub fn sample_for(&self, receiver: &Receiver, u: Vec2) -> Option<LightSample> {
+        match self {
+            Self::Mesh(l) => l.sample(receiver, u),
+            _ => self.sample(receiver.point, u),
+        }
+    }
+    /// Density with which [`Light::sample`] makes `wi`, unit; zero for delta lights, and for meshes, whose density is
+    /// that of a triangle ([`MeshLight::pdf_solid_angle`]).
     #[inline]
     pub fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
         match self {
@@ -130,13 +154,14 @@ impl Light {
             Self::Sphere(l) => l.pdf_solid_angle(p, wi),
             Self::Disk(l) => l.pdf_solid_angle(p, wi),
             Self::Cylinder(l) => l.pdf_solid_angle(p, wi),
+            Self::Mesh(_) => 0.0,
         }
     }
-    /// The nearest hit with a light that has a place and a size.
+    /// The nearest hit with a light that has a place and a size, and is not geometry itself.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<LightHit> {
         let mut hit = match self {
-            Self::Distant(_) | Self::Dome(_) => None,
+            Self::Distant(_) | Self::Dome(_) | Self::Mesh(_) => None,
             Self::Rect(l) => l.intersect(ray),
             Self::Sphere(l) => l.intersect(ray),
             Self::Disk(l) => l.intersect(ray),
@@ -154,7 +179,7 @@ impl Light {
         match self {
             Self::Distant(l) => l.radiance(wi),
             Self::Dome(l) => Some(l.radiance(wi)),
-            Self::Rect(_) | Self::Sphere(_) | Self::Disk(_) | Self::Cylinder(_) => None,
+            Self::Rect(_) | Self::Sphere(_) | Self::Disk(_) | Self::Cylinder(_) | Self::Mesh(_) => None,
         }
     }
     /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.
@@ -168,6 +193,7 @@ impl Light {
             Self::Sphere(l) => l.power().luminance(),
             Self::Disk(l) => l.power().luminance(),
             Self::Cylinder(l) => l.power().luminance(),
+            Self::Mesh(l) => l.power(),
         };
         whole * shaped
     }
@@ -179,15 +205,22 @@ impl Light {
             Self::Sphere(l) => Some(l.bounds()),
             Self::Disk(l) => Some(l.bounds()),
             Self::Cylinder(l) => Some(l.bounds()),
+            Self::Mesh(l) => Some(l.bounds()),
         }
     }
-    /// The direction that a flat light faces, unit; `None` for lights that shine all around, or have no place.
-    pub(crate) fn facing(&self) -> Option<Vector3> {
+    /// The directions that it faces, each shining into a cosine lobe; all where it shines all around. Without shaping.
+    fn cone(&self) -> Cone {
         match self {
-            Self::Rect(l) => Some(l.facing()),
-            Self::Disk(l) => Some(l.facing()),
-            Self::Distant(_) | Self::Dome(_) | Self::Sphere(_) | Self::Cylinder(_) => None,
+            Self::Rect(l) => Cone::flat(l.facing().0, false),
+            Self::Disk(l) => Cone::flat(l.facing().0, false),
+            Self::Mesh(l) => l.cone(),
+            Self::Distant(_) | Self::Dome(_) | Self::Sphere(_) | Self::Cylinder(_) => Cone::ALL,
         }
+    }
+    /// The mesh, where it is one.
+    #[inline]
+    pub fn as_mesh(&self) -> Option<&MeshLight> {
+        if let Self::Mesh(light) = self { Some(light) } else { None }
     }
     /// Whether it is infinitely far: met by rays that leave the scene.
     #[inline]
@@ -201,7 +234,7 @@ impl Light {
             Self::Distant(l) => l.is_delta(),
             Self::Sphere(l) => l.is_delta(),
             Self::Cylinder(l) => l.is_delta(),
-            Self::Dome(_) | Self::Rect(_) | Self::Disk(_) => false,
+            Self::Dome(_) | Self::Rect(_) | Self::Disk(_) | Self::Mesh(_) => false,
         }
     }
     /// Whether it emits nothing.
@@ -249,6 +282,7 @@ impl Light {
             Self::Sphere(l) => &l.emission,
             Self::Disk(l) => &l.emission,
             Self::Cylinder(l) => &l.emission,
+            Self::Mesh(l) => &l.emission,
         }
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use umber_math::blackbody::blackbody_rgb;
 use umber_math::{DAffine3, DVec3, Rgb};
 
-use super::LightTexture;
 use super::shadow::{ShadowParams, ShadowShape};
 use super::shaping::{Shaping, ShapingParams};
+use super::{EmitterMesh, LightTexture};
 use crate::EnvironmentMap;
 
 /// Radiance (irradiance, intensity) above this is cut: products with it stay finite in single precision.
@@ -54,6 +54,13 @@ pub enum LightKind {
         radius: f32,
         /// Shines like the cylinder from afar, but from its axis: no width, not visible.
         treat_as_line: bool,
+    },
+    /// Triangles of a mesh; light space is the mesh's.
+    Mesh {
+        /// Those that emit.
+        mesh: Arc<EmitterMesh>,
+        /// How far rounding moves the triangles for rays, render-space units.
+        clearance: f32,
     },
 }
 
@@ -124,8 +131,8 @@ pub enum LightProblem {
     /// A quantity is NaN or infinite; its default stands in.
     #[error("{0} is not a finite number; it is ignored")]
     Ignored(&'static str),
-    /// A distant or dome light with shaping, which lights with a place alone have.
-    #[error("shaping has no effect on distant and dome lights")]
+    /// A distant, dome or mesh light with shaping, which lights with a place and a shape of their own alone have.
+    #[error("shaping has no effect on distant, dome and mesh lights")]
     NotShaped,
     /// The light is brighter than can be rendered; it is dimmed to a radiance of 10³⁰.
     #[error("the light is brighter than can be rendered; its radiance is cut to 1e30")]

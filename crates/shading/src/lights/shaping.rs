@@ -89,7 +89,7 @@ impl Shaping {
         if cone.is_none() && focus == 0.0 && cleaned.ies.is_none() {
             return None;
         }
-        if matches!(p.kind, LightKind::Distant { .. } | LightKind::Dome { .. }) {
+        if matches!(p.kind, LightKind::Distant { .. } | LightKind::Dome { .. } | LightKind::Mesh { .. }) {
             problems.push(LightProblem::NotShaped);
             return None;
         }

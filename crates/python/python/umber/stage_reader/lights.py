@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pxr import Gf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from umber.description import Color, Light
 from umber.stage_reader.light_apis import read_light_apis
@@ -23,6 +23,7 @@ KINDS = {
     "CylinderLight": "cylinder",
 }
 TEXTURE_FORMATS = ("automatic", "latlong", "mirroredBall", "angular", "cubeMapVerticalCross")
+MATERIAL_SYNC_MODES = ("materialGlowTintsLight", "independent", "noMaterialResponse")
 
 
 def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light]:
@@ -39,6 +40,25 @@ def read_light(reading: Reading, prim: Usd.Prim, space: Space) -> Iterator[Light
         _read_emission(reading, prim, light)
         read_light_apis(reading, prim, light)
         yield light
+
+
+def read_mesh_light(reading: Reading, prim: Usd.Prim, mesh: str) -> Light:
+    """The light that shines from a described mesh: its own (UsdLuxMeshLightAPI), or a GeometryLight."""
+    path = mesh if prim.IsA(UsdGeom.Gprim) else reading.unique_path(prim.GetPath())
+    light = Light(path, "mesh", mesh=mesh)
+    mode = reading.value(prim, "light:materialSyncMode")
+    if mode in MATERIAL_SYNC_MODES:
+        light.material_sync_mode = mode
+    else:
+        reading.warn(prim, f"materialSyncMode '{mode}' is not known; taken as '{light.material_sync_mode}'")
+    _read_emission(reading, prim, light)
+    read_light_apis(reading, prim, light)
+    return light
+
+
+def geometry_targets(prim: Usd.Prim) -> list[Sdf.Path]:
+    """What a GeometryLight shines from."""
+    return list(prim.GetRelationship("geometry").GetForwardedTargets())
 
 
 def _to_space(reading: Reading, prim: Usd.Prim, space: Space) -> Gf.Matrix4d:

@@ -85,8 +85,6 @@ class _Walker:
         if kind == "Mesh" or kind in implicit.SHAPES:
             if purpose == UsdGeom.Tokens.default_ or purpose in self.reading.purposes:
                 self.found.meshes.append((prim, space, purpose))
-            if prim.HasAPI(UsdLux.MeshLightAPI):
-                self.reading.warn(prim, "mesh lights are not supported yet; it does not shine")
         elif kind == "SkelRoot":
             self.found.skel_roots.append(prim)
         elif prim.HasAPI(UsdLux.LightAPI):
