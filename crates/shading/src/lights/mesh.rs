@@ -162,7 +162,7 @@ impl MeshLight {
         let wi = Vector3(sample.wi.as_vec3());
         usable.then_some(LightSample { wi, radiance, pdf_solid_angle, distance: distance as f32, is_delta: false })
     }
-    /// Density with which [`MeshLight::sample`] makes `wi`, unit, by way of the triangle that it leads to.
+    /// Density with which `sample` makes `wi`, unit, by way of the triangle that it leads to.
     #[inline]
     pub fn pdf_solid_angle(&self, receiver: &Receiver, triangle: u32, wi: Vector3) -> f32 {
         let Some((position, emitter)) = self.mesh.of(triangle) else { return 0.0 };
