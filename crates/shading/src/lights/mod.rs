@@ -258,6 +258,13 @@ impl Light {
         let emission = self.emission();
         !emission.shadow_enable || emission.shadow.is_some()
     }
+    /// Whether rays that follow the BSDF find it as well as any sample of it could: all around, and the same
+    /// everywhere. Then it is not chosen, and costs no shadow rays.
+    pub fn is_left_to_rays(&self) -> bool {
+        let is_plain = |dome: &DomeLight| !dome.has_texture() && dome.portals.is_none();
+        let shaped = self.emission().shadow_linked || self.found_by_samples_alone();
+        matches!(self, Self::Dome(dome) if is_plain(dome) && !shaped)
+    }
     /// Whether the camera sees the light itself.
     #[inline]
     pub fn camera_visible(&self) -> bool {
