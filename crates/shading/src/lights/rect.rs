@@ -182,7 +182,7 @@ impl RectLight {
     #[inline]
     fn coordinates(&self, point: DVec3) -> [f64; 2] {
         let at = point - self.corner;
-        self.duals.map(|dual| at.dot(dual))
+        [at.dot(self.duals[0]), at.dot(self.duals[1])]
     }
     /// The place of the texture that a point of the shape shows.
     #[inline]
