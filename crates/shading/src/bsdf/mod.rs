@@ -184,7 +184,8 @@ impl Bsdf {
                 (side, layers.sample(wo_local, u_lobe, u)?)
             }
         };
-        let wi = self.frame.from_local(local.wi * side).normalized();
+        // unit but for rounding, as both are that it is made of
+        let wi = self.frame.from_local(local.wi * side);
         (wi.dot_normal(self.ng) * side > 0.0).then_some(BsdfSample {
             f: local.eval.f(),
             f_diffuse: local.eval.diffuse,
@@ -226,7 +227,7 @@ impl Bsdf {
     #[inline]
     fn side(&self, wo: Vector3) -> Option<f32> {
         let cos_g = wo.dot_normal(self.ng);
-        (cos_g < 0.0 || cos_g > 0.0).then_some(1f32.copysign(cos_g))
+        (cos_g.abs() > 0.0).then_some(1f32.copysign(cos_g))
     }
     /// On which side of the surface the viewer is (±1; local vectors are mirrored through the origin for the back),
     /// and its local direction. `None` for a viewer in the surface's plane, or NaN.

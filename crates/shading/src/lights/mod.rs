@@ -25,7 +25,7 @@ mod triangle;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
 use cluster::Cone;
@@ -58,6 +58,23 @@ pub struct LightSample {
     pub distance: f32,
     /// Whether no ray could find the direction by chance.
     pub is_delta: bool,
+}
+
+impl LightSample {
+    /// Of a point of a light that has a size. `to_light`: from the receiver, of the length `distance`; `density`: of its
+    /// direction. `None` where that is too large or too small to be divided by.
+    #[inline]
+    fn of_point(to_light: DVec3, distance: f64, density: f64, radiance: Rgb) -> Option<Self> {
+        let pdf_solid_angle = density as f32;
+        let is_usable = distance > 0.0 && pdf_solid_angle.is_normal() && (radiance / pdf_solid_angle).is_finite();
+        is_usable.then(|| Self {
+            wi: Vector3((to_light / distance).as_vec3()),
+            radiance,
+            pdf_solid_angle,
+            distance: distance as f32,
+            is_delta: false,
+        })
+    }
 }
 
 /// A ray's hit with a light's shape.

@@ -107,18 +107,9 @@ impl RectLight {
             None => self.sample_shape(&view, p, u),
         };
         let distance = to_light.length();
-        let wi = to_light / distance;
         let uv = self.texture.as_ref().map(|_| self.uv(p + to_light));
-        let pdf_solid_angle = self.density(&view, distance, wi, uv) as f32;
-        let sample = LightSample {
-            wi: Vector3(wi.as_vec3()),
-            radiance: self.radiance(uv),
-            pdf_solid_angle,
-            distance: distance as f32,
-            is_delta: false,
-        };
-        let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
-        (distance > 0.0 && is_usable).then_some(sample)
+        let density = self.density(&view, distance, to_light / distance, uv);
+        LightSample::of_point(to_light, distance, density, self.radiance(uv))
     }
     /// To a point of the shape, uniform in solid angle or by area.
     #[inline]
