@@ -23,7 +23,6 @@ def give_worlds() -> None:
         for scene in bpy.data.scenes:
             if scene.world is None:
                 scene.world = bpy.data.worlds.new("World")
-                scene.world.use_nodes = True
                 # black, unless there is a dome
                 for node in scene.world.node_tree.nodes:
                     if node.type == "BACKGROUND":

@@ -215,19 +215,26 @@ def calibrate(methods: list[Method]) -> None:
 
 def take_rounds(methods: list[Method], counts: list[int], rounds: int, longest: float) -> None:
     """All rounds. Counts that would take a method longer than `longest` seconds a picture are left out."""
-    for round_number in range(rounds):
+    for count in counts:
+        for method in methods:
+            if count in method.counts and _expected_seconds(method, count) <= longest and _has_target(method, count, methods):
+                take(method, count, 1000 + count, methods[0])
+    for round_number in range(1, rounds):
         for count in counts:
-            for method in methods:
-                if count in method.counts and _expected_seconds(method, count) <= longest:
-                    take(method, count, 1000 * (round_number + 1) + count, methods[0])
+            for method in (method for method in methods if count in method.taken):
+                take(method, count, 1000 * (round_number + 1) + count, methods[0])
+
+
+def _has_target(method: Method, count: int, methods: list[Method]) -> bool:
+    """Whether an adaptive mode knows the error to ask for."""
+    return method.mode is None or not method.mode.adaptive or count in methods[0].taken
 
 
 def _expected_seconds(method: Method, count: int) -> float:
-    """From its pictures of the next smaller number of samples; what has been taken once is taken again."""
-    smaller = [known for known in method.taken if known < count]
-    if count in method.taken or not smaller:
+    """From its pictures of the next smaller number of samples."""
+    if not method.taken:
         return 0.0
-    return method.median_seconds(max(smaller)) * count / max(smaller)
+    return method.median_seconds(max(method.taken)) * count / max(method.taken)
 
 
 def measure(scene: Scene, renderers: list[Renderer], arguments: argparse.Namespace, cache: Path) -> dict[str, Any]:

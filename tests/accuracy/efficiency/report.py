@@ -21,6 +21,8 @@ from merge import merged
 from processes import Renderer
 from scenes import SCENES, SHARED, Scene
 
+# The rest are `cargo xtask bench report`'s: it calls this for these two.
+PARTS = ["scenes", "parsimony", "stability", "document"]
 # Of each half of a reference that is rendered here.
 OWN_REFERENCE_SAMPLES = 512
 # Seconds that one picture may take: larger counts of that method are left out.
@@ -35,7 +37,7 @@ def arguments_given() -> argparse.Namespace:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--unused-rounds", type=int, default=15, help="of the cost of unused features")
     parser.add_argument("--longest", type=float, default=LONGEST, metavar="SECONDS", help="that one picture may take")
-    parser.add_argument("--only", choices=["scenes", "parsimony"], nargs="+", default=["scenes", "parsimony"])
+    parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS)
     parser.add_argument("--known", type=Path, help="a record to take over what is not measured now")
     parser.add_argument("--hd-embree", metavar="FOLDER", help="the folder of hdEmbree's plugInfo.json")
     parser.add_argument("--hydra", metavar="PYTHON", help="an interpreter whose OpenUSD has imaging, for hdEmbree")
