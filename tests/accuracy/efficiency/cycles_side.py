@@ -14,6 +14,10 @@ from side import BOUNCES, serve
 TOOL = Path(__file__).parents[4] / "shared/tools/cycles_peer.py"
 
 
+# By which Blender's importer multiplies a distant light's intensity.
+SUN_FACTOR = 4.0
+
+
 def give_worlds() -> None:
     """Blender reads dome lights into the scene's world, and loses them where there is none: gives every new scene one."""
     import bpy  # noqa: PLC0415 - in this interpreter alone
@@ -45,6 +49,10 @@ def main() -> None:
     for mesh in tool["bpy"].data.meshes:
         if not mesh.has_custom_normals:
             mesh.shade_flat()
+    # Blender's importer makes suns brighter than UsdLux has them
+    for light in tool["bpy"].data.lights:
+        if light.type == "SUN":
+            light.energy /= SUN_FACTOR
     # what is loaded stays loaded: the time of a picture is not that of building the scene again
     tool["scene"].render.use_persistent_data = True
     render = tool["render"]

@@ -42,6 +42,7 @@ UMBER, MITSUBA, CYCLES = "Umber", "Mitsuba", "Cycles"
 # Of Cycles' own reference, in two halves; and the most of its pictures, which take long.
 OWN_REFERENCE_SAMPLES = 512
 CYCLES_LARGEST = 64
+OWN_TRUTH = "Umber's own long picture of another seed: says nothing of bias"
 
 
 @dataclass(frozen=True)
@@ -147,15 +148,17 @@ def take(method: Method, count: int, seed: int, umber: Method) -> None:
 
 def reference_of(scene: Scene, sides: list[Side], cache: Path, samples: int) -> tuple[Truth, str]:
     """What is true of a scene, and who says so: Mitsuba's picture that is kept, one that it renders now, or, where it
-    takes no part, Umber's own of other seeds."""
+    takes no part, Umber's own of other seeds.
+    """
     if scene.reference is not None:
         return Truth(np.load(scene.reference)[..., :3].astype(np.float64)), "Mitsuba's reference"
     mitsuba = [side for side in sides if side.renderer.name == MITSUBA]
     judge = mitsuba[0] if mitsuba else sides[0]
     samples = min(samples, scene.reference_samples)
-    truth = own_truth(judge, cache / f"{scene.name}-{judge.renderer.name}-{samples}-{key_of(scene, judge, cache)}.npy", samples)
-    said = f"{judge.about}, 2 x {samples} samples a pixel"
-    return truth, said if mitsuba else f"Umber's own, 2 x {samples} samples of other seeds: says nothing of bias"
+    truth = own_truth(
+        judge, cache / f"{scene.name}-{judge.renderer.name}-{samples}-{key_of(scene, judge, cache)}.npy", samples
+    )
+    return truth, f"{judge.about}, 2 x {samples} samples a pixel" if mitsuba else OWN_TRUTH
 
 
 def key_of(scene: Scene, side: Side, folder: Path) -> str:
@@ -174,7 +177,9 @@ def start(scene: Scene, renderers: list[Renderer], cache: Path) -> list[Side]:
     return sides
 
 
-def methods_of(scene: Scene, sides: list[Side], counts: list[int], cache: Path, own_samples: int) -> list[Method]:
+def methods_of(
+    scene: Scene, sides: list[Side], counts: list[int], cache: Path, own_samples: int, cycles_samples: int
+) -> list[Method]:
     """Every line of a scene's chart; each has made a first picture."""
     from_start: dict[str, float] = {}
     for side in sides:
@@ -191,11 +196,13 @@ def methods_of(scene: Scene, sides: list[Side], counts: list[int], cache: Path, 
             for mode in (mode for mode in MODES if mode.is_known):
                 usable = [count for count in counts if count >= mode.least_samples]
                 methods.append(replace(about, name=mode.name, mode=mode, counts=usable, taken={}))
+        elif name == CYCLES and scene.same_in_cycles and said != OWN_TRUTH:
+            methods.append(replace(about, counts=[count for count in counts if count <= CYCLES_LARGEST]))
         elif name == CYCLES:
-            file = cache / f"{scene.name}-{own_samples}-{key_of(scene, side, cache)}.npy"
+            file = cache / f"{scene.name}-{name}-{cycles_samples}-{key_of(scene, side, cache)}.npy"
             usable = [count for count in counts if count <= CYCLES_LARGEST]
-            own = own_truth(side, file, own_samples)
-            said_own = f"its own, 2 x {own_samples} samples a pixel"
+            own = own_truth(side, file, cycles_samples)
+            said_own = f"its own, 2 x {cycles_samples} samples a pixel"
             methods.append(replace(about, truth=own, counts=usable, reference=said_own))
         else:
             methods.append(about)
@@ -217,7 +224,11 @@ def take_rounds(methods: list[Method], counts: list[int], rounds: int, longest: 
     """All rounds. Counts that would take a method longer than `longest` seconds a picture are left out."""
     for count in counts:
         for method in methods:
-            if count in method.counts and _expected_seconds(method, count) <= longest and _has_target(method, count, methods):
+            if (
+                count in method.counts
+                and _expected_seconds(method, count) <= longest
+                and _has_target(method, count, methods)
+            ):
                 take(method, count, 1000 + count, methods[0])
     for round_number in range(1, rounds):
         for count in counts:
@@ -241,7 +252,7 @@ def measure(scene: Scene, renderers: list[Renderer], arguments: argparse.Namespa
     """All rounds of a scene."""
     counts = sorted({*arguments.samples, COMPARED})
     sides = start(scene, renderers, cache)
-    methods = methods_of(scene, sides, counts, cache, arguments.own_reference)
+    methods = methods_of(scene, sides, counts, cache, arguments.own_reference, arguments.cycles_reference)
     calibrate(methods)
     take_rounds(methods, counts, arguments.rounds, arguments.longest)
     for side in sides:
@@ -252,12 +263,12 @@ def measure(scene: Scene, renderers: list[Renderer], arguments: argparse.Namespa
             largest: list[Picture] = [taken.picture for taken in method.taken[max(method.taken)]]
             umber_method.truth.learn_noise(largest)
     lines = [method.points() for method in methods]
-    for point, best in zip(
-        [point for line in lines for point in line],
-        on_front([(point["seconds"], point["error"]) for line in lines for point in line]),
-        strict=True,
-    ):
-        point["on_front"] = best
+    # what is measured against another truth is not compared
+    for mine in {id(method.truth): method.truth for method in methods}.values():
+        points = [p for method, line in zip(methods, lines, strict=True) if method.truth is mine for p in line]
+        best = on_front([(point["seconds"], point["error"]) for point in points])
+        for point, is_best in zip(points, best, strict=True):
+            point["on_front"] = is_best and mine is umber_method.truth
     absent = [r.name for r in renderers if r.name not in scene.left_out and all(s.renderer != r for s in sides)]
     return {
         "name": scene.name,
@@ -336,7 +347,9 @@ def processor() -> str:
     return f"{names[0] if names else platform.processor() or platform.machine()}, {os.cpu_count()} cores"
 
 
-def add_arguments(parser: argparse.ArgumentParser, scenes: list[Scene], own_reference: int) -> None:
+def add_arguments(
+    parser: argparse.ArgumentParser, scenes: list[Scene], own_reference: int, cycles_reference: int
+) -> None:
     """What both this and the report take."""
     names = [scene.name for scene in scenes]
     parser.add_argument("out", type=Path, help="the record, JSON")
@@ -348,6 +361,9 @@ def add_arguments(parser: argparse.ArgumentParser, scenes: list[Scene], own_refe
         default=own_reference,
         metavar="SAMPLES",
         help="of each half of a reference that is rendered here",
+    )
+    parser.add_argument(
+        "--cycles-reference", type=int, default=cycles_reference, metavar="SAMPLES", help="of each half of Cycles' own"
     )
     parser.add_argument("--mitsuba", metavar="PYTHON", help="an interpreter that has it")
     parser.add_argument("--cycles", metavar="PYTHON", help="an interpreter that has Blender as a module")
@@ -373,7 +389,7 @@ def find_renderers(arguments: argparse.Namespace) -> tuple[list[Renderer], list[
 def main() -> None:
     """Measures, prints, writes the record."""
     parser = argparse.ArgumentParser(description=__doc__)
-    add_arguments(parser, GIVEN, OWN_REFERENCE_SAMPLES)
+    add_arguments(parser, GIVEN, OWN_REFERENCE_SAMPLES, OWN_REFERENCE_SAMPLES)
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     arguments.longest = math.inf
@@ -382,8 +398,8 @@ def main() -> None:
     renderers, absent = find_renderers(arguments)
     words = [f"--scene {' '.join(arguments.scene)}"] if len(arguments.scene) < len(GIVEN) else []
     words += [f"--rounds {arguments.rounds}", f"--samples {' '.join(map(str, arguments.samples))}"]
-    if arguments.own_reference != OWN_REFERENCE_SAMPLES:
-        words.append(f"--own-reference {arguments.own_reference}")
+    if arguments.cycles_reference != OWN_REFERENCE_SAMPLES:
+        words.append(f"--cycles-reference {arguments.cycles_reference}")
     about = {
         "processor": processor(),
         "commit": arguments.commit,

@@ -169,8 +169,9 @@ class _Room:
     picture: NDArray[np.float32] | None = None
     rays: float = 0.0
 
-    def take(self, samples: int, seed: int) -> None:
-        figures = _render(self.session, samples, seed)
+    def take(self, samples: int) -> None:
+        self.session.set("umber:seed", "1")  # what is rendered already is not rendered again, unless a setting changed
+        figures = _render(self.session, samples, 0)
         self.seconds.append(float(figures["cpu_seconds"]))
         self.rays = float(figures["rays"])
         self.picture = self.session.resolve("color")
@@ -178,7 +179,8 @@ class _Room:
 
 def unused(base: Path, folder: Path, size: tuple[int, int], samples: int, rounds: int) -> dict[str, Any]:
     """By feature: time with it over time without, each the fastest of the rounds in turn, and the quartiles of the
-    ratios of single rounds, which say how noisy they were."""
+    ratios of single rounds, which say how noisy they were.
+    """
     rooms: dict[str, _Room] = {}
     for name, feature in {"": FEATURES["nothing"], **FEATURES}.items():
         stage = _room(base, folder / f"room_{len(rooms)}.usda", feature)
@@ -194,7 +196,7 @@ def unused(base: Path, folder: Path, size: tuple[int, int], samples: int, rounds
             # whoever is first meets caches that the other has left: turn about
             order = (plain, room) if round_number % 2 else (room, plain)
             for one in order:
-                one.take(samples, 0)
+                one.take(samples)
             ratios.append(room.seconds[-1] / plain.seconds[-1])
         first, _, third = statistics.quantiles(ratios, n=4, method="inclusive")
         rows.append(

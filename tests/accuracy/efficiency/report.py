@@ -23,17 +23,18 @@ from scenes import SCENES, SHARED, Scene
 
 # The rest are `cargo xtask bench report`'s: it calls this for these two.
 PARTS = ["scenes", "parsimony", "stability", "document"]
-# Of each half of a reference that is rendered here.
-OWN_REFERENCE_SAMPLES = 512
-# Seconds that one picture may take: larger counts of that method are left out.
-LONGEST = 8.0
+# Samples a pixel of each half of a reference that is rendered here: Mitsuba's, and Cycles' own.
+OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES = 512, 128
+# Seconds that one picture may take: larger counts of that method are left out. Three rounds of seven scenes then
+# take a quarter of an hour at most.
+LONGEST = 5.0
 COST_SAMPLES, UNUSED_SAMPLES, UNUSED_SIZE = 4, 4, (128, 128)
 
 
 def arguments_given() -> argparse.Namespace:
     """What the command line says."""
     parser = argparse.ArgumentParser(description=__doc__)
-    add_arguments(parser, SCENES, OWN_REFERENCE_SAMPLES)
+    add_arguments(parser, SCENES, OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--unused-rounds", type=int, default=15, help="of the cost of unused features")
     parser.add_argument("--longest", type=float, default=LONGEST, metavar="SECONDS", help="that one picture may take")
@@ -54,6 +55,8 @@ def command_of(arguments: argparse.Namespace) -> str:
         words.append(f"--samples {' '.join(map(str, arguments.samples))}")
     if arguments.own_reference != OWN_REFERENCE_SAMPLES:
         words.append(f"--own-reference {arguments.own_reference}")
+    if arguments.cycles_reference != CYCLES_REFERENCE_SAMPLES:
+        words.append(f"--cycles-reference {arguments.cycles_reference}")
     if arguments.longest != LONGEST:
         words.append(f"--longest {arguments.longest:g}")
     if arguments.hd_embree:

@@ -240,8 +240,8 @@ def bumpy_sphere(levels: int) -> tuple[Points, Triangles]:
         split = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
         triangles = np.concatenate([np.stack(part, axis=1) for part in split])
         points = np.concatenate([points, middles])
-    inwards = (np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
-               * points[triangles[:, 0]]).sum(axis=1) < 0  # fmt: skip
+    first, second, third = (points[triangles[:, corner]] for corner in range(3))
+    inwards = (np.cross(second - first, third - first) * first).sum(axis=1) < 0
     triangles[inwards] = triangles[inwards][:, [0, 2, 1]]
     bumps = np.sin(7 * points[:, 0]) * np.sin(8 * points[:, 1]) * np.sin(9 * points[:, 2])
     return points * (1 + 0.1 * bumps[:, None]), triangles

@@ -50,7 +50,7 @@ pub fn efficiency(scene: &EfficiencyScene, file: &Path) -> Result<()> {
     }
     let y = row(scene.methods.len());
     top.draw(&Circle::new((28, y), RING, INK.stroke_width(1))).map_err(failed)?;
-    let front = "the Pareto front: no other picture here is both faster and more exact";
+    let front = "the Pareto front: no other picture against the same reference is both faster and more exact";
     top.draw(&Text::new(front, (48, y - 6), font(13))).map_err(failed)?;
     draw(scene, &colors, &plane)?;
     let absent: String = scene.absent.iter().map(|peer| format!("; {peer}")).collect();

@@ -88,12 +88,12 @@ pub fn all(rays: usize) -> Vec<Figure> {
 fn slivers(rays: usize) -> Figure {
     let names = ["Umber", "Möller–Trumbore, epsilon 10⁻⁶"];
     let title = "aimed inside of triangles one unit long, ten units away".to_string();
-    let single = panel(title, "length over height", names, decades(0, 6), |x| {
+    let single = panel(title, "length over height (no unit)", names, decades(0, 6), |x| {
         let c = slivers::at(x, rays);
         [(c.missed, c.rays), (c.textbook_missed, c.rays)]
     });
     let title = "from inside of a closed sphere, flattened, at its edges and vertices: leaks".to_string();
-    let closed = panel(title, "width over height", names, decades(0, 6), |x| {
+    let closed = panel(title, "width over height (no unit)", names, decades(0, 6), |x| {
         slivers::closed(x, rays / 4).map(|c| (c.leaks, c.rays))
     });
     Figure { name: "stability_slivers", title: "Slivers", panels: vec![single, closed] }
