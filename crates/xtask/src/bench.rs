@@ -25,7 +25,7 @@ const STAGES: [(&str, &str); 2] = [
 pub struct Arguments {
     /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`,
     /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`, `report [--scene NAME ...] [--rounds N]
-    /// [--only scenes|parsimony|stability|document ...] [--hd-embree FOLDER]`. See `rays --help`.
+    /// [--only scenes|parsimony|stability|document ...]`. See `rays --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }

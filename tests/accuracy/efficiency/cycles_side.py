@@ -19,7 +19,7 @@ SUN_FACTOR = 4.0
 
 
 def give_worlds() -> None:
-    """Blender reads dome lights into the scene's world, and loses them where there is none: gives every new scene one."""
+    """Gives every new scene a world: Blender reads dome lights into it, and loses them where there is none."""
     import bpy  # noqa: PLC0415 - in this interpreter alone
 
     @bpy.app.handlers.persistent

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 TEMPLATE = Path(__file__).with_name("speed-and-accuracy.template.md")
+NO_MEASURE = "\N{EN DASH}"
 NOT_YET = "*Not measured yet.*"
 Record = dict[str, Any]
 
@@ -63,7 +64,8 @@ def charts(scenes: list[Record]) -> str:
         rounds = f"median of {scene['rounds']} rounds" if scene["rounds"] > 1 else "one round"
         parts.append(
             f"### {scene['name']}\n\n![{scene['name']}: error over time](charts/report_{scene['name']}.svg)\n\n"
-            f"{caption(scene)}, {rounds}. Against {scene['reference']}; its noise, {scene['reference_noise']:.1e}, is taken off."
+            f"{caption(scene)}, {rounds}. Against {scene['reference']}; "
+            f"its noise, {scene['reference_noise']:.1e}, is taken off."
         )
     return "\n\n".join(parts) if parts else NOT_YET
 
@@ -77,7 +79,7 @@ def ratios(scenes: list[Record]) -> str:
             row["peer"],
             f"{row['seconds']:.2f} s ({row['samples']})",
             # more error than picture: no measure of anything
-            "–" if row["error_peer"] > 1 else f"{row['ratio']:.2f}" + (" *" if row["beyond_measured"] else ""),
+            NO_MEASURE if row["error_peer"] > 1 else f"{row['ratio']:.2f}" + (" *" if row["beyond_measured"] else ""),
         ]
         for scene in scenes
         for row in scene["ratios"]
@@ -85,7 +87,10 @@ def ratios(scenes: list[Record]) -> str:
     if not rows:
         return NOT_YET
     head = ["scene", "mode", "beside", "its time (samples a pixel)", "its error over Umber's in that time"]
-    note = "\n\n–: the peer's error is larger than its picture. \\* beyond the times that were measured: the line goes on as it ends."
+    note = (
+        f"\n\n{NO_MEASURE}: the peer's error is larger than its picture. "
+        "\\* beyond the times that were measured: the line goes on as it ends."
+    )
     return table(head, rows) + (note if any(row[-1].endswith("*") for row in rows) else "")
 
 
@@ -179,7 +184,7 @@ def fill(report: Record, stability: Record, template: str) -> str:
         costs=costs(cost_records),
         cost_rounds=cost_records[0]["rounds"] if cost_records else 0,
         unused=unused(bar),
-        unused_size=f"{size[0]} × {size[1]}",
+        unused_size=f"{size[0]} \N{MULTIPLICATION SIGN} {size[1]}",
         unused_rounds=bar["rounds"] if bar else 0,
     )
 

@@ -17,9 +17,10 @@ BUFFERS = {"Float": "ArrayXf", "UInt32": "ArrayXu"}
 
 
 def doubled(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A latlong image that Mitsuba interpolates to what others see: its first pixel's centre is the image's left end,
-    its first and last rows' are the poles, where UsdLux has the pixels' edges. At half steps, every second pixel is an
-    old one, and those between are what is halfway.
+    """A latlong image that Mitsuba interpolates to what others see.
+
+    It takes the image's left end for its first pixel's centre and the poles for those of its first and last rows, where
+    UsdLux has the pixels' edges. At half steps, every second pixel is an old one, and those between are halfway.
     """
     rows = np.concatenate([pixels[:1], pixels, pixels[-1:]])
     halfway = (rows[:-1] + rows[1:]) / 2
@@ -44,8 +45,9 @@ class Extended:
         return getattr(self._mitsuba, name)
 
     def light_of(self, prim: Usd.Prim, xform: Any, schema: Any) -> dict[str, Any]:  # noqa: ANN401
-        """A light, as the converter has it; one with a latlong texture too: Mitsuba's, like UsdLux's, has its middle
-        at +Z, +Y up and +X to the left.
+        """A light, as the converter has it, and one with a latlong texture.
+
+        Mitsuba's, like UsdLux's, has its middle at +Z, +Y up and +X to the left.
         """
         self._stage = prim.GetStage()
         get = {a.GetName().removeprefix("inputs:"): a.Get() for a in prim.GetAttributes()}.get

@@ -24,9 +24,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import umber
 from errors import Truth, own_truth
 from front import on_front
+from modes import MODES, Mode, plain_settings
 from processes import Picture, Renderer, Side, Taken
 from scenes import GIVEN, SHARED, Scene
 
@@ -43,38 +43,6 @@ UMBER, MITSUBA, CYCLES = "Umber", "Mitsuba", "Cycles"
 OWN_REFERENCE_SAMPLES = 512
 CYCLES_LARGEST = 64
 OWN_TRUTH = "Umber's own long picture of another seed: says nothing of bias"
-
-
-@dataclass(frozen=True)
-class Mode:
-    """A way of Umber's to render. What its settings leave out is as a session has it."""
-
-    name: str
-    settings: dict[str, str] = field(default_factory=dict)
-    # counts by `convergedVariance`: where equal counts of that number lead
-    adaptive: bool = False
-    # with fewer samples it would do the same as equal counts
-    least_samples: int = 1
-
-    @property
-    def is_known(self) -> bool:
-        """Whether this Umber has every setting, and its choice, that the mode names."""
-        known = {row["key"]: row.get("choices") for row in umber.settings()}
-        return all(key in known and (not known[key] or value in known[key]) for key, value in self.settings.items())
-
-
-# Those that this Umber does not know take no part.
-MODES = [
-    Mode("Umber"),
-    Mode("Umber, adaptive", adaptive=True, least_samples=32),
-    Mode("Umber, direct light alone", {"umber:integrator": "direct"}),
-]
-
-
-def plain_settings() -> dict[str, str]:
-    """What one mode sets is set back for the next: the defaults of every setting that any mode names."""
-    defaults = {row["key"]: str(row["default"]) for row in umber.settings()}
-    return {"convergedVariance": "-1"} | {k: defaults[k] for m in MODES for k in m.settings if k in defaults}
 
 
 @dataclass
@@ -147,8 +115,9 @@ def take(method: Method, count: int, seed: int, umber: Method) -> None:
 
 
 def reference_of(scene: Scene, sides: list[Side], cache: Path, samples: int) -> tuple[Truth, str]:
-    """What is true of a scene, and who says so: Mitsuba's picture that is kept, one that it renders now, or, where it
-    takes no part, Umber's own of other seeds.
+    """What is true of a scene, and who says so.
+
+    Mitsuba's picture that is kept, one that it renders now, or, where it takes no part, Umber's own of other seeds.
     """
     if scene.reference is not None:
         return Truth(np.load(scene.reference)[..., :3].astype(np.float64)), "Mitsuba's reference"

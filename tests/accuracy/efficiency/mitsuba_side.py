@@ -1,4 +1,6 @@
-"""Mitsuba's side: see `side.py`. The scene is what the converter beside the project makes of the stage, and two things
+"""Mitsuba's side: see `side.py`.
+
+The scene is what the converter beside the project makes of the stage, and two things
 that it does not read: latlong textures of domes, and PointInstancers, as Mitsuba's own instances of shape groups.
 """
 

@@ -8,7 +8,8 @@ the same room with one feature present where no ray meets it, in a closed box be
 has to look for the feature wherever it may occur; without it, the same code finds at once that there is none. What the
 presence costs bounds what the looking costs; it says nothing of what the mere size of the code does to the processor's
 caches. Both render in turn, on one thread, timed by the processor time of the process, which other processes disturb
-less than the clock; compared are the fastest of each, since whatever disturbs only adds. The pictures have to be the same bit by bit, or rays have met the box.
+less than the clock; compared are the fastest of each, since whatever disturbs only adds. The pictures have to be the
+same bit by bit, or rays have met the box.
 """
 
 from __future__ import annotations
@@ -166,7 +167,7 @@ def _room(base: Path, file: Path, feature: Feature) -> Path:
 class _Room:
     session: Session
     seconds: list[float] = field(default_factory=list)
-    picture: NDArray[np.float32] | None = None
+    picture: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
     rays: float = 0.0
 
     def take(self, samples: int) -> None:
@@ -178,8 +179,9 @@ class _Room:
 
 
 def unused(base: Path, folder: Path, size: tuple[int, int], samples: int, rounds: int) -> dict[str, Any]:
-    """By feature: time with it over time without, each the fastest of the rounds in turn, and the quartiles of the
-    ratios of single rounds, which say how noisy they were.
+    """By feature: time with it over time without, each the fastest of the rounds in turn.
+
+    Beside it the quartiles of the ratios of single rounds, which say how noisy they were.
     """
     rooms: dict[str, _Room] = {}
     for name, feature in {"": FEATURES["nothing"], **FEATURES}.items():

@@ -40,8 +40,6 @@ def arguments_given() -> argparse.Namespace:
     parser.add_argument("--longest", type=float, default=LONGEST, metavar="SECONDS", help="that one picture may take")
     parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS)
     parser.add_argument("--known", type=Path, help="a record to take over what is not measured now")
-    parser.add_argument("--hd-embree", metavar="FOLDER", help="the folder of hdEmbree's plugInfo.json")
-    parser.add_argument("--hydra", metavar="PYTHON", help="an interpreter whose OpenUSD has imaging, for hdEmbree")
     return parser.parse_args()
 
 
@@ -59,8 +57,6 @@ def command_of(arguments: argparse.Namespace) -> str:
         words.append(f"--cycles-reference {arguments.cycles_reference}")
     if arguments.longest != LONGEST:
         words.append(f"--longest {arguments.longest:g}")
-    if arguments.hd_embree:
-        words.append("--hd-embree FOLDER")
     return f"cargo xtask bench report {' '.join(words)}"
 
 

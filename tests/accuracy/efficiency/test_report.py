@@ -93,7 +93,8 @@ def test_point_instances_are_written_out(tmp_path: Path) -> None:
     assert not any(prim.IsA(UsdGeom.PointInstancer) for prim in flat.Traverse())
     meshes = [UsdGeom.Mesh(prim) for prim in flat.Traverse() if prim.IsA(UsdGeom.Mesh)]
     points = [np.array(mesh.GetPointsAttr().Get()) for mesh in meshes if len(mesh.GetPointsAttr().Get()) > 4]
-    grid = UsdGeom.PointInstancer(Usd.Stage.Open(str(small)).GetPrimAtPath("/World/Grid"))
+    source = Usd.Stage.Open(str(small))
+    grid = UsdGeom.PointInstancer(source.GetPrimAtPath("/World/Grid"))
     assert np.allclose([p.mean(axis=0) for p in points], grid.GetPositionsAttr().Get(), atol=0.02)
     radii = [np.linalg.norm(p - p.mean(axis=0), axis=1).mean() for p in points]
     assert np.allclose(radii, np.array(grid.GetScalesAttr().Get())[:, 0], rtol=0.02)

@@ -122,7 +122,8 @@ fn draw(scene: &EfficiencyScene, colors: &[RGBColor], area: &Area<'_>) -> Result
         area.draw(&Text::new(text, (px - 8, py), beside.clone())).map_err(failed)?;
     }
     let (center, _) = at(((x.start + x.end) / 2.0, y.start));
-    area.draw(&Text::new("seconds of rendering (wall time, all cores)", (center, bottom + 26), below)).map_err(failed)?;
+    area.draw(&Text::new("seconds of rendering (wall time, all cores)", (center, bottom + 26), below))
+        .map_err(failed)?;
     let (_, center) = at((x.start, (y.start + y.end) / 2.0));
     let turned = font(12).transform(FontTransform::Rotate270).pos(Pos::new(HPos::Center, VPos::Top));
     area.draw(&Text::new("error (relMSE, no unit)", (10, center), turned)).map_err(failed)

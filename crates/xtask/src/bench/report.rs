@@ -5,7 +5,7 @@ use std::{path::Path, process::ExitCode};
 use anyhow::Result;
 
 use super::{commit, efficiency, stability};
-use crate::{process, render, sdk::Sdk, workspace};
+use crate::{process, render, workspace};
 
 /// Rays at each point of the stability charts: a fifth of what `bench stability` takes.
 const RAYS: &str = "200000";
@@ -28,9 +28,6 @@ pub fn run(words: &[String], folder: &Path) -> Result<ExitCode> {
         measure.arg("tests/accuracy/efficiency/report.py").arg(&record).args(words);
         measure.args(["--commit", &commit, "--known", KNOWN]);
         efficiency::add_peers(&mut measure)?;
-        if let Some(sdk) = Sdk::newest()? {
-            measure.arg("--hydra").arg(sdk.venv().python());
-        }
         process::run(measure.current_dir(workspace::root()))?;
         efficiency::draw("report", &record, folder)?;
     } else {
