@@ -5,7 +5,9 @@
 
 mod boxes;
 mod far_and_small;
+mod roughness;
 mod self_intersection;
+mod slivers;
 mod watertight;
 
 /// Rays of each case: `default`, unless the environment says another number.

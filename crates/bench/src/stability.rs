@@ -12,8 +12,10 @@ pub mod closed;
 pub mod figures;
 pub mod hits;
 pub mod placed;
+pub mod roughness;
 pub mod secondary;
 pub mod shapes;
+pub mod slivers;
 pub mod textbook;
 
 /// Sizes of what is met, in units.
