@@ -1,0 +1,83 @@
+"""What each step of docs/from-polygon-to-path.md costs: rays and milliseconds, 256 x 256 pixels.
+
+    target/venv/usd-core/bin/python tests/accuracy/chapter/walk.py
+
+Times are of rendering alone, medians of some pictures; into docs/charts/walk.json too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+from pathlib import Path
+
+from figures import ROOT, SIZE
+from make import lit, textbook
+from measure import processor
+from pxr import Usd, UsdGeom
+from umber import Session
+from umber.feed import feed
+from umber.stage_reader import read_camera, read_stage
+
+SAMPLES = "convergedSamplesPerPixel"
+
+
+def steps() -> list[tuple[str, Usd.Stage, dict[str, str]]]:
+    """Name, stage and settings of each step."""
+    sphere, flat, smooth = textbook(), lit(smooth=False), lit(smooth=True)
+    rough = {"umber:integrator": "mirror", "umber:mirrorRoughness": "1"}
+    finer = [(splits, textbook(splits)) for splits in (3, 5, 7)]
+    return [
+        ("raster", sphere, {"umber:integrator": "raster"}),
+        ("mirror", sphere, {"umber:integrator": "mirror", SAMPLES: "1"}),
+        *[
+            (f"{kind}, {20 * 4**splits} triangles", stage, {"umber:integrator": kind, SAMPLES: "1"})
+            for kind in ("raster", "mirror")
+            for splits, stage in finer
+        ],
+        ("mirror, roughness 1", sphere, {**rough, SAMPLES: "1"}),
+        ("mirror, roughness 1, 50 samples", sphere, {**rough, SAMPLES: "50"}),
+        ("direct, 64 samples", flat, {"umber:integrator": "direct", SAMPLES: "64"}),
+        ("path, 64 samples", flat, {SAMPLES: "64"}),
+        ("path, smooth, 64 samples", smooth, {SAMPLES: "64"}),
+        ("path, smooth, 1024 samples", smooth, {SAMPLES: "1024"}),
+    ]
+
+
+def session_of(stage: Usd.Stage, settings: dict[str, str]) -> Session:
+    """A session that has a stage, seen by its eye."""
+    session = Session()
+    for key, value in {"enableInteractive": "false", **settings}.items():
+        session.set(key, value)
+    moment = Usd.TimeCode.EarliestTime()
+    session.camera(read_camera(UsdGeom.Camera.Get(stage, "/Eye"), moment))
+    feed(session, read_stage(stage, moment, frozenset({"render"}), lambda _: None))
+    session.set_film(SIZE, SIZE, ["color"])
+    return session
+
+
+def main() -> None:
+    """Prints a table's rows, and writes them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pictures", type=int, default=9)
+    pictures = parser.parse_args().pictures
+    rows = []
+    for name, stage, settings in steps():
+        session, times = session_of(stage, settings), []
+        for seed in range(pictures + 1):
+            session.set("umber:seed", str(seed))
+            session.start()
+            while not session.wait(10.0):
+                pass
+            times.append(float(session.stats()["renderSeconds"]))
+        rays = int(session.stats()["rays"])
+        milliseconds = 1e3 * statistics.median(times[1:])
+        print(f"| {name} | {rays:,} | {milliseconds:.2f} |".replace(",", " "), flush=True)
+        rows.append({"step": name, "rays": rays, "milliseconds": milliseconds})
+    report = {"processor": processor(), "size": [SIZE, SIZE], "pictures": pictures, "steps": rows}
+    (ROOT / "docs/charts/walk.json").write_text(json.dumps(report, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
