@@ -144,6 +144,10 @@ impl Film {
     pub(crate) fn tile_count(&self) -> usize {
         self.tiles.len()
     }
+    /// Index of the tile that holds the pixel at column `x` and row `y`.
+    pub(crate) fn tile_at(&self, x: usize, y: usize) -> usize {
+        y / TILE * self.columns + x / TILE
+    }
     pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         // a panic elsewhere leaves at worst a tile that lacks samples
         self.tiles[index].lock().unwrap_or_else(|poisoned| poisoned.into_inner())
