@@ -2,7 +2,7 @@
 
 mod pixel;
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::aov::{Accumulation, Aov};
 use crate::format::{BufferFormat, Pixel};
@@ -133,6 +133,16 @@ impl Film {
         let tiles = (0..columns * rows).map(tile).collect();
         Self { desc, centers, columns, tiles }
     }
+    /// A film without samples, in the memory of one that is not needed any more, where they are of one kind.
+    pub(crate) fn renewed(desc: FilmDesc, old: Option<Self>) -> Self {
+        let Some(mut film) = old.filter(|old| old.desc == desc) else { return Self::new(desc) };
+        for tile in &mut film.tiles {
+            let tile = tile.get_mut().unwrap_or_else(PoisonError::into_inner);
+            tile.halves.iter_mut().for_each(Vec::clear);
+            tile.centers.clear();
+        }
+        film
+    }
     /// What it was made for.
     pub fn desc(&self) -> &FilmDesc {
         &self.desc
@@ -150,7 +160,7 @@ impl Film {
     }
     pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         // a panic elsewhere leaves at worst a tile that lacks samples
-        self.tiles[index].lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+        self.tiles[index].lock().unwrap_or_else(PoisonError::into_inner)
     }
     /// Keeps what is seen through pixel middles of a tile: `None` where nothing is.
     pub(crate) fn set_centers(&self, index: usize, hits: &[Option<CenterHit>]) {

@@ -15,6 +15,12 @@ pub(crate) struct PixelSum {
 }
 
 impl PixelSum {
+    /// One sample.
+    pub fn of(rgb: umber_math::Rgb, coverage: f32) -> Self {
+        let mut sum = Self::default();
+        sum.add(rgb, coverage);
+        sum
+    }
     /// Adds a sample.
     pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32) {
         for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {

@@ -4,39 +4,39 @@
 //! each square finds the nearest triangle at each pixel, and each pixel is then shaded once. Pieces of the scene and
 //! squares of the film go to all threads; which thread took which changes nothing.
 
-mod bins;
 mod clip;
+mod draw;
 mod fill;
+mod numbers;
 mod placement;
 mod project;
 mod shade;
 #[cfg(test)]
 mod tests;
+mod visibility;
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use umber_geometry::TriangleMesh;
-use umber_math::Point3;
+use umber_math::{Point3, Vec3};
 use umber_settings::Settings;
 
 use super::Stop;
-use crate::film::{Film, PixelSum, TILE};
+use crate::film::{Film, TILE};
 use crate::scene::RenderScene;
-use bins::{BIN, Binned, Bins, Piece, Projected, Sorter};
-use fill::Bin;
+use draw::{Drawer, Piece};
+use numbers::Batch;
 use placement::Placement;
 use project::{Grid, Vertex};
 use shade::Shader;
+use visibility::{Canvas, Square};
 
-/// Triangles that one thread sorts at a time.
+/// Triangles that one thread draws at a time.
 const PIECE: usize = 1 << 14;
-/// Points that are projected at a time, at most, but for those of one mesh: what bounds the memory.
-const BATCH: usize = 1 << 22;
 /// Points that one thread projects at a time, at least.
 const POINTS_A_PIECE: usize = 1 << 13;
-
-const _: () = assert!(BIN.is_multiple_of(TILE));
 
 /// The settings by which one sample a pixel is the finished picture.
 pub fn settings(given: &Settings) -> Settings {
@@ -46,84 +46,57 @@ pub fn settings(given: &Settings) -> Settings {
 /// Gives every pixel of a film its sample; on the threads of the pool that it is called in. Ends early where stopped.
 /// How many pixels were given one.
 pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
-    let (width, height) = (film.desc().width, film.desc().height);
-    let grid = Grid::new(scene.camera.view(), width, height);
-    let layout = Bins::new(width, height);
+    let t0 = std::time::Instant::now();
+    let grid = Grid::new(scene.camera.view(), film.desc().width, film.desc().height);
     let placements = placement::visible(scene, &grid);
-    let mut bins: Vec<Bin> = (0..layout.count()).map(|i| Bin::new(&grid, i, layout.columns)).collect();
-    for batch in batches(scene, &placements) {
-        let binned = sort(scene, &grid, layout, &placements, batch, stop);
-        let is_there = |t: &Projected, [x, y]: [i32; 2]| {
-            let placement = &placements[t.placement() as usize];
-            let corners = placement.mesh(scene).shape.triangle(t.triangle);
-            let at = [(x, width), (y, height)].map(|(v, pixels)| f64::from(v) + 0.5 - 0.5 * pixels as f64);
-            let barycentrics = shade::barycentrics(&shade::weights(&grid, placement, corners), at);
-            bins::is_there(scene, placement, t.triangle, barycentrics)
-        };
-        bins.par_iter_mut().enumerate().for_each(|(index, bin)| {
-            if !stop.now() {
-                let triangles = binned.iter().flat_map(|piece| piece.of(index));
-                triangles.for_each(|triangle| bin.fill(&grid, triangle, is_there));
-            }
-        });
-    }
-    if stop.now() {
-        return 0;
-    }
-    let shaded = bins.par_iter().map(|bin| if stop.now() { 0 } else { shade(scene, &grid, &placements, bin, film) });
-    shaded.sum()
-}
-
-/// Ranges of placements whose points are projected together.
-fn batches(scene: &RenderScene, placements: &[Placement]) -> Vec<Range<usize>> {
-    let (mut ranges, mut start, mut points) = (Vec::new(), 0, 0);
-    for (i, placement) in placements.iter().enumerate() {
-        let own = placement.mesh(scene).shape.points.len();
-        if points + own > BATCH && i > start {
-            ranges.push(start..i);
-            (start, points) = (i, 0);
+    let batches = Batch::all(scene, &placements);
+    let mut canvas = Canvas::new(grid);
+    for (i, batch) in batches.iter().enumerate() {
+        if i > 0 {
+            canvas.squares().par_iter_mut().for_each(|square| own(square).end_batch(&batches[i - 1]));
         }
-        points += own;
+        draw(scene, &canvas, &placements, batch, stop);
     }
-    if start < placements.len() {
-        ranges.push(start..placements.len());
-    }
-    ranges
+    eprintln!("T drawn {:?}", t0.elapsed());
+    let Some(last) = batches.last().filter(|_| !stop.now()) else { return 0 };
+    let shaded = canvas.squares().par_iter_mut().map(|square| {
+        let mut shader = Shader::new(scene, &grid, &placements, last);
+        if stop.now() { 0 } else { shade(&mut shader, own(square), film) }
+    });
+    let v = shaded.sum();
+    eprintln!("T shaded {:?}", t0.elapsed());
+    v
 }
 
-/// Projects a batch and sorts its triangles; in the order of the scene, whoever does it.
-fn sort(
-    scene: &RenderScene,
-    grid: &Grid,
-    layout: Bins,
-    placements: &[Placement],
-    batch: Range<usize>,
-    stop: &Stop<'_>,
-) -> Vec<Binned> {
+/// A square of a canvas on which nobody draws.
+fn own(square: &mut Mutex<Square>) -> &mut Square {
+    square.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Projects a batch's points and draws its triangles.
+fn draw(scene: &RenderScene, canvas: &Canvas, placements: &[Placement], batch: &Batch, stop: &Stop<'_>) {
+    let grid = canvas.grid();
     let projected = |placement: &Placement| -> Vec<Vertex> {
         let points = &placement.mesh(scene).shape.points;
-        let place = |p: &umber_math::Vec3| grid.place(placement.film_from_object.apply(Point3(*p)));
+        let place = |p: &Vec3| grid.place(placement.film_from_object.apply(Point3(*p)));
         if stop.now() {
             return Vec::new();
         }
         points.par_iter().with_min_len(POINTS_A_PIECE).map(place).collect()
     };
-    let vertices: Vec<Vec<Vertex>> = placements[batch.clone()].par_iter().map(projected).collect();
-    let pieces = batch.zip(&vertices).flat_map(|(index, vertices)| {
-        let placement = &placements[index];
+    let vertices: Vec<Vec<Vertex>> = placements[batch.placements.clone()].par_iter().map(projected).collect();
+    if stop.now() {
+        return;
+    }
+    let pieces = batch.placements.clone().zip(&vertices).flat_map(|(index, vertices)| {
+        let (placement, first_number) = (&placements[index], batch.first_number(index));
         let ranges = ranges_of(&placement.mesh(scene).shape.mesh);
-        ranges.map(move |triangles| Piece { index: index as u32, placement, vertices, triangles })
+        ranges.map(move |triangles| Piece { placement, vertices, first_number, triangles })
     });
-    let jobs = jobs(pieces);
-    let sort = |job: &Vec<Piece<'_>>| {
-        if stop.now() {
-            return Binned::default();
-        }
-        let mut sorter = Sorter::new(scene, grid, layout);
-        job.iter().for_each(|piece| sorter.add(piece));
-        sorter.sorted()
-    };
-    jobs.par_iter().map(sort).collect()
+    jobs(pieces).par_iter().for_each(|job| {
+        let mut drawer = Drawer::new(scene, canvas);
+        job.iter().take_while(|_| !stop.now()).for_each(|piece| drawer.draw(piece));
+    });
 }
 
 /// A mesh's triangles in pieces.
@@ -147,28 +120,24 @@ fn jobs<'a>(pieces: impl Iterator<Item = Piece<'a>>) -> Vec<Vec<Piece<'a>>> {
     jobs
 }
 
-/// Shades a bin's pixels into the film's tiles. How many.
-fn shade(scene: &RenderScene, grid: &Grid, placements: &[Placement], bin: &Bin, film: &Film) -> u64 {
-    let mut shader = Shader::new(scene, grid, placements);
-    let [x, y, width, height] = [bin.first[0], bin.first[1], bin.size[0], bin.size[1]].map(|v| v as usize);
-    for (row, column) in (y..y + height).step_by(TILE).flat_map(|r| (x..x + width).step_by(TILE).map(move |c| (r, c))) {
-        let index = film.tile_at(column, row);
+/// Shades a square's pixels into the film's tiles; those where nothing is seen stay without samples, which looks the
+/// same. How many pixels were looked at.
+fn shade(shader: &mut Shader<'_>, square: &Square, film: &Film) -> u64 {
+    let [x, y, width, height] = [square.first[0], square.first[1], square.size[0], square.size[1]].map(|v| v as usize);
+    let corners = (y..y + height).step_by(TILE).flat_map(|row| (x..x + width).step_by(TILE).map(move |x| (x, row)));
+    for (x, y) in corners.filter(|_| !square.is_untouched()) {
+        let index = film.tile_at(x, y);
         let rect = film.tile(index).rect;
-        let places = || (0..rect.width * rect.height).map(|i| [rect.x + i % rect.width, rect.y + i / rect.width]);
-        let pixels = || places().map(|at| at.map(|v| v as i32)).map(|at| (bin.seen(at[0], at[1]), at));
-        let sums = pixels().map(|(seen, at)| {
-            let mut sum = PixelSum::default();
-            match shader.color(seen, at) {
-                Some(color) => sum.add(color, 1.0),
-                None => sum.add(umber_math::Rgb::BLACK, 0.0),
-            }
-            sum
-        });
-        let sums = sums.collect();
-        film.tile(index).halves = [sums, Vec::new()];
+        if !shader.look(square, rect) {
+            continue;
+        }
+        // in the memory of an older picture, if there was one
+        let mut sums = std::mem::take(&mut film.tile(index).halves[0]);
+        sums.clear();
+        shader.colors(rect, &mut sums);
+        film.tile(index).halves[0] = sums;
         if film.has_center_aovs() {
-            let centers: Vec<_> = pixels().map(|(seen, at)| shader.center(seen, at)).collect();
-            film.set_centers(index, &centers);
+            film.set_centers(index, &shader.centers(rect));
         }
     }
     (width * height) as u64

@@ -46,6 +46,12 @@ pub struct Vertex {
 impl Vertex {
     /// Stands for a vertex that has no place on the grid: its triangles must be clipped.
     pub const OFF_GRID: Self = Self { x: i32::MIN, y: i32::MIN, nearness: 0.0 };
+
+    /// Whether it is [`Vertex::OFF_GRID`].
+    #[inline]
+    pub fn is_off_grid(&self) -> bool {
+        self.x == i32::MIN
+    }
 }
 
 /// The film's grid.
@@ -163,14 +169,20 @@ impl Grid {
         (2 * pixel + 1 - pixels) << (self.subpixel_bits - 1)
     }
 
+    /// A pixel's middle, from the film's, pixels.
+    #[inline]
+    pub fn film_position(&self, [x, y]: [i32; 2]) -> [f64; 2] {
+        [f64::from(x) + 0.5 - 0.5 * f64::from(self.width), f64::from(y) + 0.5 - 0.5 * f64::from(self.height)]
+    }
+
     /// The pixels whose middles lie between two places, the last one with it.
     #[inline]
-    pub fn pixels_between(&self, low: i32, high: i32, pixels: i32) -> (i32, i32) {
+    pub fn pixels_between(&self, low: i32, high: i32, pixels: i32) -> [i32; 2] {
         let shift = (pixels - 1) << (self.subpixel_bits - 1);
         let up = (1 << self.subpixel_bits) - 1;
         let first = (low + shift + up) >> self.subpixel_bits;
         let last = (high + shift) >> self.subpixel_bits;
-        (first.max(0), last.min(pixels - 1))
+        [first.max(0), last.min(pixels - 1)]
     }
 
     /// Whether nothing of a box can be on the film.

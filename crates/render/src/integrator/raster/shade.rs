@@ -1,28 +1,38 @@
 //! Colours, and what AOVs keep, of what is seen.
 
 use umber_bvh::Hit;
-use umber_geometry::Attribute;
-use umber_math::{DVec3, Normal3, Point3, Rgb, Vec3, Vector3};
+use umber_math::{Normal3, Point3, Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
-use super::fill::Seen;
+use super::numbers::{Batch, Seen};
 use super::placement::Placement;
-use super::project::Grid;
-use crate::film::CenterHit;
+use super::project::{Grid, Homogeneous};
+use super::visibility::{NOTHING, Square};
+use crate::film::{CenterHit, PixelSum, TileRect};
 use crate::material::in_unit;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
 use crate::surface;
 
-/// Shades pixels; goes on from the triangle of the pixel before, where it is the same.
+/// Shades pixels, tile by tile.
+///
+/// In steps that each go over all pixels: what waits for memory does so for many triangles at once, and arithmetic is
+/// done for several pixels at once.
 pub struct Shader<'a> {
     scene: &'a RenderScene,
     grid: &'a Grid,
     placements: &'a [Placement],
+    batch: &'a Batch,
     directions: Directions,
-    seen: Seen,
-    triangle: Option<Triangle<'a>>,
+    /// Triangles seen in the tile.
+    triangles: Vec<Triangle<'a>>,
+    /// Index of the triangle of each pixel; [`NONE`] where there is none.
+    which: Vec<u32>,
+    facing: Vec<Facing>,
 }
+
+/// Of a pixel in which nothing is seen.
+const NONE: u32 = u32::MAX;
 
 /// The directions of view rays, render space: linear over the film.
 #[derive(Clone, Copy)]
@@ -34,66 +44,119 @@ struct Directions {
     up: Vec3,
 }
 
+/// How a surface stands to the viewer, at a pixel.
+#[derive(Clone, Copy)]
+struct Facing {
+    /// Shading normal and direction of the view ray, render space; neither of unit length.
+    normal: Vec3,
+    direction: Vec3,
+}
+
 /// What is the same for all pixels of a triangle.
 struct Triangle<'a> {
     placement: &'a Placement,
     mesh: &'a RenderMesh,
     index: u32,
-    /// Products with a film position from the middle, and one, that are as the barycentrics.
-    weights: [DVec3; 3],
-    points: [Vec3; 3],
-    /// Of its face, object space, not of unit length.
-    normal: Vec3,
-    /// Of its material, where that has one for all of it.
+    /// Its corners on the film.
+    corners: [Homogeneous; 3],
+    /// Of its corners, object space, not of unit length.
+    normals: [Vec3; 3],
+    /// The same for all of it; `None`: the mesh's displayColor.
     color: Option<Rgb>,
     emission: Rgb,
 }
 
 impl<'a> Shader<'a> {
-    /// A shader of what the placements show.
-    pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
+    /// A shader of what the placements show; `batch`: of the last numbers.
+    pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement], batch: &'a Batch) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        Self { scene, grid, placements, directions, seen: Seen::NOTHING, triangle: None }
+        let (triangles, which, facing) = (Vec::new(), Vec::new(), Vec::new());
+        Self { scene, grid, placements, batch, directions, triangles, which, facing }
     }
 
-    /// Its colour at the middle of a pixel; `None` where nothing is seen.
-    pub fn color(&mut self, seen: Seen, [x, y]: [i32; 2]) -> Option<Rgb> {
-        if self.scene.settings.raster_color == RasterColor::Shaded {
-            return self.headlit(seen, [x, y]);
+    /// Finds what is seen in a tile. False where nothing is.
+    pub fn look(&mut self, square: &Square, rect: TileRect) -> bool {
+        self.triangles.clear();
+        self.which.clear();
+        let mut number_at = [NOTHING; crate::film::TILE * crate::film::TILE];
+        for (i, pixel) in pixels(rect).enumerate() {
+            let number = square.number(pixel);
+            number_at[i] = number;
+            // mostly that of the pixel before or below; never one of an earlier batch, which has no numbers any more
+            let known =
+                [1, rect.width].into_iter().filter(|back| *back <= i).find(|back| number_at[i - back] == number);
+            let which = match known {
+                Some(back) if number != NOTHING => self.which[i - back],
+                _ => match square.seen(self.batch, pixel) {
+                    None => NONE,
+                    Some(seen) => {
+                        self.triangles.push(self.triangle(seen));
+                        self.triangles.len() as u32 - 1
+                    }
+                },
+            };
+            self.which.push(which);
         }
-        let by_polygon = self.scene.settings.raster_color == RasterColor::Random;
-        let Triangle { mesh, index, .. } = self.triangle(seen)?;
-        let polygon = if by_polygon { mesh.shape.mesh.elements[*index as usize] } else { u32::MAX };
-        Some(Rgb(random_color([mesh.prim_id as u32, polygon])))
+        !self.triangles.is_empty()
     }
 
-    /// Its colour, lit from the eye.
-    fn headlit(&mut self, seen: Seen, pixel: [i32; 2]) -> Option<Rgb> {
-        let (film, direction) = (self.film_position(pixel), self.direction(pixel));
-        let triangle = self.triangle(seen)?;
-        let barycentrics = triangle.barycentrics(film);
-        let normal = triangle.shading_normal(barycentrics);
-        let cos = normal.dot(direction).abs() / (normal.length_squared() * direction.length_squared()).sqrt();
-        // what is not a number faces nothing
-        let cos = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
-        let color = triangle.color.unwrap_or_else(|| triangle.display_color(barycentrics));
-        Some(color * cos + triangle.emission)
+    /// Colours of the tile that was looked at.
+    pub fn colors(&mut self, rect: TileRect, sums: &mut Vec<PixelSum>) {
+        let is_lit = self.scene.settings.raster_color == RasterColor::Shaded;
+        if is_lit {
+            self.face(rect);
+        }
+        for (i, pixel) in pixels(rect).enumerate() {
+            let Some(triangle) = self.triangles.get(self.which[i] as usize) else {
+                sums.push(PixelSum::of(Rgb::BLACK, 0.0));
+                continue;
+            };
+            let color = if is_lit {
+                let base =
+                    triangle.color.unwrap_or_else(|| triangle.display_color(triangle.barycentrics(self.grid, pixel)));
+                base * self.facing[i].normal.x + triangle.emission
+            } else {
+                self.random_color(triangle)
+            };
+            sums.push(PixelSum::of(color, 1.0));
+        }
     }
 
-    /// What AOVs keep of it.
-    pub fn center(&mut self, seen: Seen, pixel: [i32; 2]) -> Option<CenterHit> {
-        let (scene, film, direction) = (self.scene, self.film_position(pixel), self.direction(pixel));
-        let triangle = self.triangle(seen)?;
-        let (placement, mesh) = (triangle.placement, triangle.mesh);
-        let barycentrics = triangle.barycentrics(film);
-        let [p, q, r] = triangle.points;
+    /// Leaves the cosine between normal and view ray in the x of each pixel's normal.
+    fn face(&mut self, rect: TileRect) {
+        self.facing.clear();
+        for (i, pixel) in pixels(rect).enumerate() {
+            let direction = self.direction(pixel);
+            let triangle = self.triangles.get(self.which[i] as usize);
+            let normal = triangle.map_or(Vec3::X, |t| t.shading_normal(t.barycentrics(self.grid, pixel)));
+            self.facing.push(Facing { normal, direction });
+        }
+        for Facing { normal, direction } in &mut self.facing {
+            let squared = normal.length_squared() * direction.length_squared();
+            let cos = normal.dot(*direction).abs() / squared.sqrt();
+            // what is not a number faces nothing
+            normal.x = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
+        }
+    }
+
+    /// What AOVs keep of the tile that was looked at.
+    pub fn centers(&self, rect: TileRect) -> Vec<Option<CenterHit>> {
+        let triangle = |i: usize| self.triangles.get(self.which[i] as usize);
+        pixels(rect).enumerate().map(|(i, pixel)| Some(self.center(triangle(i)?, pixel))).collect()
+    }
+
+    fn center(&self, triangle: &Triangle<'_>, pixel: [i32; 2]) -> CenterHit {
+        let (scene, placement, mesh) = (self.scene, triangle.placement, triangle.mesh);
+        let barycentrics = triangle.barycentrics(self.grid, pixel);
+        let [p, q, r] = mesh.shape.triangle(triangle.index).map(|p| p.0);
         let point = Point3(p * barycentrics[0] + q * barycentrics[1] + r * barycentrics[2]);
         let depths = scene.camera.depths_at(placement.film_from_object.apply(point).distance as f32);
         // USD's tools show normals towards the viewer; render space is world space, moved
-        let normal = Normal3(triangle.shading_normal(barycentrics)).normalized().facing(Vector3(-direction));
+        let normal = Normal3(triangle.shading_normal(barycentrics)).normalized();
+        let normal = normal.facing(Vector3(-self.direction(pixel)));
         let hit = Hit { t: 0.0, barycentrics, mesh: placement.mesh, triangle: triangle.index, path: placement.path };
-        Some(CenterHit {
+        CenterHit {
             depth: depths.projected,
             camera_depth: depths.camera,
             normal: normal.0.to_array(),
@@ -102,91 +165,98 @@ impl<'a> Shader<'a> {
             instance_id: scene.instance_id(&hit),
             element_id: mesh.shape.mesh.elements[triangle.index as usize] as i32,
             st: surface::st(scene, &hit).to_array(),
-        })
-    }
-
-    /// A pixel's middle, from the film's.
-    fn film_position(&self, [x, y]: [i32; 2]) -> [f64; 2] {
-        [f64::from(x) + 0.5 - 0.5 * f64::from(self.grid.width), f64::from(y) + 0.5 - 0.5 * f64::from(self.grid.height)]
+        }
     }
 
     /// Of the view ray through a pixel's middle, not of unit length.
+    #[inline]
     fn direction(&self, pixel: [i32; 2]) -> Vec3 {
-        let [x, y] = self.film_position(pixel).map(|v| v as f32);
+        let [x, y] = self.grid.film_position(pixel).map(|v| v as f32);
         self.directions.middle + self.directions.across * x + self.directions.up * y
     }
 
     #[inline]
-    fn triangle(&mut self, seen: Seen) -> Option<&Triangle<'a>> {
-        if self.seen != seen {
-            self.seen = seen;
-            self.triangle = self
-                .placements
-                .get(seen.placement as usize)
-                .map(|placement| Triangle::new(self.scene, self.grid, placement, seen.triangle));
-        }
-        self.triangle.as_ref()
-    }
-}
-
-impl<'a> Triangle<'a> {
-    fn new(scene: &'a RenderScene, grid: &Grid, placement: &'a Placement, index: u32) -> Self {
-        let mesh = placement.mesh(scene);
+    fn triangle(&self, seen: Seen) -> Triangle<'a> {
+        let placement = &self.placements[seen.placement as usize];
+        let (mesh, index) = (placement.mesh(self.scene), seen.triangle);
         let corners = mesh.shape.triangle(index);
-        let points = corners.map(|p| p.0);
-        let material = scene.materials.get(mesh.material_of(index) as usize);
-        Self {
+        let material = self.scene.materials.get(mesh.material_of(index) as usize);
+        let normals = match &mesh.attributes.normals {
+            Some(normals) => normals.at_vertices(&mesh.shape.mesh, index),
+            None => [face_normal(corners); 3],
+        };
+        Triangle {
             placement,
             mesh,
             index,
-            weights: weights(grid, placement, corners),
-            points,
-            normal: (points[1] - points[0]).cross(points[2] - points[0]),
+            corners: corners.map(|p| placement.film_from_object.apply(p)),
+            normals,
             color: material.and_then(|m| m.base_color),
             emission: material.map_or(Rgb::BLACK, |m| m.emission),
         }
     }
 
-    fn barycentrics(&self, [x, y]: [f64; 2]) -> [f32; 3] {
-        barycentrics(&self.weights, [x, y])
+    /// A colour that looks like no other polygon's, or no other prim's.
+    fn random_color(&self, triangle: &Triangle<'_>) -> Rgb {
+        let by_polygon = self.scene.settings.raster_color == RasterColor::Random;
+        let mesh = triangle.mesh;
+        let polygon = if by_polygon { mesh.shape.mesh.elements[triangle.index as usize] } else { u32::MAX };
+        Rgb(random_color([mesh.prim_id as u32, polygon]))
+    }
+}
+
+/// The pixels of a tile, row by row.
+fn pixels(rect: TileRect) -> impl Iterator<Item = [i32; 2]> {
+    let row = move |y: usize| (rect.x..rect.x + rect.width).map(move |x| [x as i32, y as i32]);
+    (rect.y..rect.y + rect.height).flat_map(row)
+}
+
+impl Triangle<'_> {
+    #[inline]
+    fn barycentrics(&self, grid: &Grid, pixel: [i32; 2]) -> [f32; 3] {
+        barycentrics(grid, &self.corners, grid.film_position(pixel))
     }
 
     /// Not of unit length; render space.
+    #[inline]
     fn shading_normal(&self, barycentrics: [f32; 3]) -> Vec3 {
-        let authored = self.mesh.attributes.normals.as_ref();
-        let normal = authored.map(|n| n.eval(&self.mesh.shape.mesh, self.index, barycentrics));
-        let usable = normal.filter(|n| *n != Vec3::ZERO && n.is_finite());
-        self.placement.render_from_normal * usable.unwrap_or(self.normal)
+        let [a, b, c] = self.normals;
+        let normal = a * barycentrics[0] + b * barycentrics[1] + c * barycentrics[2];
+        // neither zero nor what is not a number
+        let usable = normal.length_squared() > 0.0;
+        let normal = if usable { normal } else { face_normal(self.mesh.shape.triangle(self.index)) };
+        self.placement.render_from_normal * normal
     }
 
     fn display_color(&self, barycentrics: [f32; 3]) -> Rgb {
-        let color: Option<&Attribute<Vec3>> = self.mesh.attributes.display_color.as_ref();
+        let color = self.mesh.attributes.display_color.as_ref();
         let color = color.map_or(surface::FALLBACK_COLOR, |c| c.eval(&self.mesh.shape.mesh, self.index, barycentrics));
         in_unit(Rgb(color))
     }
 }
 
-/// The barycentrics that a triangle has at a film position are as the products of these with it: each is
-/// perpendicular to the homogeneous positions of the two other corners.
-pub fn weights(grid: &Grid, placement: &Placement, corners: [Point3; 3]) -> [DVec3; 3] {
-    let [a, b, c] = corners.map(|p| {
-        let p = placement.film_from_object.apply(p);
-        DVec3::new(p.x, p.y, grid.weight(&p))
-    });
-    [b.cross(c), c.cross(a), a.cross(b)]
+/// Of a triangle, object space, not of unit length.
+fn face_normal([a, b, c]: [Point3; 3]) -> Vec3 {
+    (b.0 - a.0).cross(c.0 - a.0)
 }
 
 /// The barycentrics at a film position from the film's middle; each between 0 and 1.
 #[inline]
-pub fn barycentrics(weights: &[DVec3; 3], [x, y]: [f64; 2]) -> [f32; 3] {
-    let b = weights.map(|w| w.x * x + w.y * y + w.z);
-    let sum = b[0] + b[1] + b[2];
-    let b = b.map(|w| (w / sum) as f32);
+pub fn barycentrics(grid: &Grid, corners: &[Homogeneous; 3], [x, y]: [f64; 2]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|p| {
+        let weight = grid.weight(&p);
+        [p.x - x * weight, p.y - y * weight]
+    });
+    // each is as the area that the position spans with the other two
+    let area = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let areas = [area(b, c), area(c, a), area(a, b)];
+    let scale = 1.0 / (areas[0] + areas[1] + areas[2]);
+    let weights = areas.map(|area| (area * scale) as f32);
     // seen edge on, by rounding alone
-    if b.iter().all(|w| w.is_finite()) { b.map(|w| w.clamp(0.0, 1.0)) } else { [1.0 / 3.0; 3] }
+    if scale.is_finite() { weights.map(|w| w.clamp(0.0, 1.0)) } else { [1.0 / 3.0; 3] }
 }
 
-/// A colour that looks like no other's.
+/// A colour from a hash.
 fn random_color(of: [u32; 2]) -> Vec3 {
     // Murmur3's mixing (Appleby 2011)
     let mix = |mut h: u32| {
