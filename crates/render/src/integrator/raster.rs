@@ -16,6 +16,7 @@ mod tests;
 mod visibility;
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -50,17 +51,18 @@ pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
     let grid = Grid::new(scene.camera.view(), film.desc().width, film.desc().height);
     let placements = placement::visible(scene, &grid);
     let batches = Batch::all(scene, &placements);
-    let mut canvas = Canvas::new(grid);
+    let (mut canvas, mut vertices) = (Canvas::new(grid), Vec::new());
     for (i, batch) in batches.iter().enumerate() {
         if i > 0 {
             canvas.squares().par_iter_mut().for_each(|square| own(square).end_batch(&batches[i - 1]));
         }
-        draw(scene, &canvas, &placements, batch, stop);
+        vertices = project(scene, &grid, &placements[batch.placements.clone()], stop);
+        draw(scene, &canvas, &placements, batch, &vertices, stop);
     }
     eprintln!("T drawn {:?}", t0.elapsed());
     let Some(last) = batches.last().filter(|_| !stop.now()) else { return 0 };
     let shaded = canvas.squares().par_iter_mut().map(|square| {
-        let mut shader = Shader::new(scene, &grid, &placements, last);
+        let mut shader = Shader::new(scene, &grid, &placements, last, &vertices);
         if stop.now() { 0 } else { shade(&mut shader, own(square), film) }
     });
     let v = shaded.sum();
@@ -73,9 +75,8 @@ fn own(square: &mut Mutex<Square>) -> &mut Square {
     square.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Projects a batch's points and draws its triangles.
-fn draw(scene: &RenderScene, canvas: &Canvas, placements: &[Placement], batch: &Batch, stop: &Stop<'_>) {
-    let grid = canvas.grid();
+/// The points of each placement on the grid.
+fn project(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &Stop<'_>) -> Vec<Vec<Vertex>> {
     let projected = |placement: &Placement| -> Vec<Vertex> {
         let points = &placement.mesh(scene).shape.points;
         let place = |p: &Vec3| grid.place(placement.film_from_object.apply(Point3(*p)));
@@ -84,18 +85,35 @@ fn draw(scene: &RenderScene, canvas: &Canvas, placements: &[Placement], batch: &
         }
         points.par_iter().with_min_len(POINTS_A_PIECE).map(place).collect()
     };
-    let vertices: Vec<Vec<Vertex>> = placements[batch.placements.clone()].par_iter().map(projected).collect();
+    placements.par_iter().map(projected).collect()
+}
+
+/// Draws a batch's triangles. `vertices`: the points of its placements.
+fn draw(
+    scene: &RenderScene,
+    canvas: &Canvas,
+    placements: &[Placement],
+    batch: &Batch,
+    vertices: &[Vec<Vertex>],
+    stop: &Stop<'_>,
+) {
     if stop.now() {
         return;
     }
-    let pieces = batch.placements.clone().zip(&vertices).flat_map(|(index, vertices)| {
+    // what is near first: it hides the rest
+    let mut order: Vec<_> = batch.placements.clone().zip(vertices).collect();
+    order.sort_by(|a, b| placements[a.0].distance.total_cmp(&placements[b.0].distance));
+    let pieces = order.into_iter().flat_map(|(index, vertices)| {
         let (placement, first_number) = (&placements[index], batch.first_number(index));
         let ranges = ranges_of(&placement.mesh(scene).shape.mesh);
         ranges.map(move |triangles| Piece { placement, vertices, first_number, triangles })
     });
-    jobs(pieces).par_iter().for_each(|job| {
+    let (jobs, next) = (jobs(pieces), AtomicUsize::new(0));
+    rayon::broadcast(|_| {
         let mut drawer = Drawer::new(scene, canvas);
-        job.iter().take_while(|_| !stop.now()).for_each(|piece| drawer.draw(piece));
+        while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            job.iter().take_while(|_| !stop.now()).for_each(|piece| drawer.draw(piece));
+        }
     });
 }
 

@@ -38,12 +38,14 @@ pub struct Drawer<'a> {
     scene: &'a RenderScene,
     grid: &'a Grid,
     pencil: Pencil<'a>,
+    /// What is drawn when all else of a piece is.
+    later: Vec<Boxed>,
 }
 
 impl<'a> Drawer<'a> {
     /// Draws on a canvas.
     pub fn new(scene: &'a RenderScene, canvas: &'a Canvas) -> Self {
-        Self { scene, grid: canvas.grid(), pencil: canvas.pencil() }
+        Self { scene, grid: canvas.grid(), pencil: canvas.pencil(), later: Vec::new() }
     }
 
     /// Draws a piece.
@@ -55,7 +57,8 @@ impl<'a> Drawer<'a> {
             let (mut boxed, mut count) = ([Boxed::NOTHING; BLOCK], 0);
             for indices in block {
                 let corners = indices.map(|i| piece.vertices[i as usize]);
-                if corners.iter().any(Vertex::is_off_grid) {
+                // all three are looked at: one branch, not three
+                if corners.iter().fold(false, |any, v| any | v.is_off_grid()) {
                     self.draw_clipped(piece, number);
                 } else {
                     boxed[count] = Boxed::new(self.grid, corners, number);
@@ -63,8 +66,14 @@ impl<'a> Drawer<'a> {
                 }
                 number += 1;
             }
-            boxed[..count].iter().for_each(|triangle| self.draw_boxed(piece, triangle));
+            for boxed in &boxed[..count] {
+                // the sides of closed objects that are turned away are mostly hidden, once the others are drawn
+                if boxed.is_clockwise() { self.later.push(*boxed) } else { self.draw_boxed(piece, boxed, false) }
+            }
         }
+        let mut later = std::mem::take(&mut self.later);
+        later.drain(..).for_each(|boxed| self.draw_boxed(piece, &boxed, true));
+        self.later = later;
     }
 
     #[cold]
@@ -74,18 +83,21 @@ impl<'a> Drawer<'a> {
         clip(self.grid, positions, |corners| {
             let boxed = Boxed::new(self.grid, corners, number);
             if !boxed.is_empty() {
-                self.draw_boxed(piece, &boxed);
+                self.draw_boxed(piece, &boxed, false);
             }
         });
     }
 
+    /// `look`: after a look whether it is hidden.
     #[inline]
-    fn draw_boxed(&mut self, piece: &Piece<'_>, boxed: &Boxed) {
+    fn draw_boxed(&mut self, piece: &Piece<'_>, boxed: &Boxed, look: bool) {
         let placement = piece.placement;
         let [[x0, x1], [y0, y1]] = boxed.pixels;
         if x0 == x1 && y0 == y1 && !placement.may_be_absent {
             let square = self.pencil.square_at([x0, y0]);
-            if draw_point(self.grid, boxed, placement.culled, square) {
+            if square.hides([[x0, y0]; 2], boxed.most_nearness(), look)
+                || draw_point(self.grid, boxed, placement.culled, square)
+            {
                 return;
             }
         }
@@ -94,23 +106,24 @@ impl<'a> Drawer<'a> {
             return;
         }
         if placement.may_be_absent {
-            self.draw_partly(placement, boxed.number - piece.first_number, &triangle);
+            self.draw_partly(placement, boxed.number - piece.first_number, &triangle, look);
         } else {
-            self.pencil.draw(&triangle, None);
+            self.pencil.draw(&triangle, look, None);
         }
     }
 
     /// Draws what is there of a triangle.
     #[cold]
-    fn draw_partly(&mut self, placement: &Placement, index: u32, triangle: &Triangle) {
+    fn draw_partly(&mut self, placement: &Placement, index: u32, triangle: &Triangle, look: bool) {
         match presence(self.scene, placement, index) {
             Presence::None => {}
-            Presence::Whole => self.pencil.draw(triangle, None),
+            Presence::Whole => self.pencil.draw(triangle, look, None),
             Presence::Parts => {
                 let corners = placement.mesh(self.scene).shape.triangle(index);
                 let corners = corners.map(|p| placement.film_from_object.apply(p));
                 self.pencil.draw(
                     triangle,
+                    look,
                     Some(&|pixel| {
                         let barycentrics = shade::barycentrics(self.grid, &corners, self.grid.film_position(pixel));
                         is_there(self.scene, placement, index, barycentrics)

@@ -32,6 +32,18 @@ impl Boxed {
         let rows = grid.pixels_between(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y), grid.height);
         Self { corners, number, pixels: [columns, rows] }
     }
+    /// Whether it winds clockwise on the film, as far as single precision tells.
+    #[inline]
+    pub fn is_clockwise(&self) -> bool {
+        let [a, b, c] = self.corners;
+        let [to_b, to_c] = [b, c].map(|v| [(v.x - a.x) as f32, (v.y - a.y) as f32]);
+        to_b[0] * to_c[1] < to_b[1] * to_c[0]
+    }
+    /// No less than its nearness anywhere.
+    #[inline]
+    pub fn most_nearness(&self) -> f32 {
+        most_nearness(&self.corners)
+    }
     /// Whether there are none.
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -73,22 +85,34 @@ impl Triangle {
         self.pixels
     }
 
-    /// Draws it on one of the squares that it may reach.
+    /// Draws it on one of the squares that it may reach. `look`: after a look whether it is hidden.
     #[inline]
-    pub fn fill(&self, grid: &Grid, square: &mut Square, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
+    pub fn fill(&self, grid: &Grid, square: &mut Square, look: bool, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
         let [columns, rows] = [0, 1].map(|axis| {
             let [first, last] = self.pixels[axis];
             [first.max(square.first[axis]), last.min(square.first[axis] + square.size[axis] - 1)]
         });
-        let cover = Cover::new(grid, self, [columns[0], rows[0]], [columns[1] - columns[0] + 1, rows[1] - rows[0] + 1]);
-        if let Some(is_there) = is_there {
-            cover.draw_pixels(square, is_there);
-        } else if cover.size[0] <= NARROW {
-            cover.draw_pixels(square, |_| true);
-        } else {
-            cover.draw_spans(square);
+        let range = [[columns[0], rows[0]], [columns[1], rows[1]]];
+        if square.hides(range, most_nearness(&self.corners), look) {
+            return;
+        }
+        square.touch(range);
+        let cover = Cover::new(grid, self, range[0], [columns[1] - columns[0] + 1, rows[1] - rows[0] + 1]);
+        match is_there {
+            None if cover.size[0] <= NARROW => cover.draw_pixels(square, |_| true),
+            None => cover.draw_spans(square),
+            Some(is_there) => cover.draw_masked(square, is_there),
         }
     }
+}
+
+/// No less than a triangle's nearness anywhere, whatever the rounding.
+#[inline]
+fn most_nearness(corners: &[Vertex; 3]) -> f32 {
+    let [a, b, c] = corners.map(|v| v.nearness);
+    let most = if a > b { a } else { b };
+    let most = if most > c { most } else { c };
+    most + most.abs() * (8.0 * f32::EPSILON)
 }
 
 /// Twice the area of a projected triangle, square grid units: negative where it winds clockwise.
@@ -151,6 +175,7 @@ pub fn draw_point(grid: &Grid, boxed: &Boxed, culled: [bool; 2], square: &mut Sq
         let [a, b, c] = boxed.corners.map(|v| f64::from(v.nearness));
         let [of_a, of_b, of_c] = weights.map(|w| w as f64);
         let nearness = ((of_a * a + of_b * b + of_c * c) / (of_a + of_b + of_c)) as f32;
+        square.touch([[x, y]; 2]);
         square.draw_pixel([x, y], nearness, boxed.number);
     }
     true
@@ -188,7 +213,14 @@ impl<'a> Cover<'a> {
         }
     }
 
+    /// Tests pixel by pixel, and asks.
+    #[cold]
+    fn draw_masked(&self, square: &mut Square, is_there: &dyn Fn([i32; 2]) -> bool) {
+        self.draw_pixels(square, is_there);
+    }
+
     /// Works out where each row begins and ends.
+    #[inline(never)]
     fn draw_spans(&self, square: &mut Square) {
         // the largest value of an edge function in a rectangle is at one of its corners
         let most = |e: &Edge| {

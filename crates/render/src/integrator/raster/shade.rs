@@ -6,9 +6,9 @@ use umber_settings::RasterColor;
 
 use super::numbers::{Batch, Seen};
 use super::placement::Placement;
-use super::project::{Grid, Homogeneous};
+use super::project::{Grid, Homogeneous, Vertex};
 use super::visibility::{NOTHING, Square};
-use crate::film::{CenterHit, PixelSum, TileRect};
+use crate::film::{CenterHit, PixelSum, TILE, TileRect};
 use crate::material::in_unit;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
@@ -23,6 +23,8 @@ pub struct Shader<'a> {
     grid: &'a Grid,
     placements: &'a [Placement],
     batch: &'a Batch,
+    /// The points of the batch's placements, projected.
+    vertices: &'a [Vec<Vertex>],
     directions: Directions,
     /// Triangles seen in the tile.
     triangles: Vec<Triangle<'a>>,
@@ -50,6 +52,18 @@ struct Facing {
     /// Shading normal and direction of the view ray, render space; neither of unit length.
     normal: Vec3,
     direction: Vec3,
+    /// Its colour.
+    base: Rgb,
+}
+
+impl Facing {
+    #[inline]
+    fn cos(&self) -> f32 {
+        let squared = self.normal.length_squared() * self.direction.length_squared();
+        let cos = self.normal.dot(self.direction).abs() / squared.sqrt();
+        // what is not a number faces nothing
+        if cos > 0.0 { cos.min(1.0) } else { 0.0 }
+    }
 }
 
 /// What is the same for all pixels of a triangle.
@@ -57,8 +71,12 @@ struct Triangle<'a> {
     placement: &'a Placement,
     mesh: &'a RenderMesh,
     index: u32,
-    /// Its corners on the film.
-    corners: [Homogeneous; 3],
+    /// Its corners on the film: position from `origin` and weight, by which the position is multiplied.
+    corners: [[f32; 3]; 3],
+    /// What the area opposite to each corner is multiplied by to be as its barycentric.
+    scales: [f32; 3],
+    /// The pixel where it was first seen.
+    origin: [i32; 2],
     /// Of its corners, object space, not of unit length.
     normals: [Vec3; 3],
     /// The same for all of it; `None`: the mesh's displayColor.
@@ -67,77 +85,91 @@ struct Triangle<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// A shader of what the placements show; `batch`: of the last numbers.
-    pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement], batch: &'a Batch) -> Self {
+    /// A shader of what the placements show; `batch`: of the last numbers, `vertices`: the points of its placements.
+    pub fn new(
+        scene: &'a RenderScene,
+        grid: &'a Grid,
+        placements: &'a [Placement],
+        batch: &'a Batch,
+        vertices: &'a [Vec<Vertex>],
+    ) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
         let (triangles, which, facing) = (Vec::new(), Vec::new(), Vec::new());
-        Self { scene, grid, placements, batch, directions, triangles, which, facing }
+        Self { scene, grid, placements, batch, vertices, directions, triangles, which, facing }
     }
 
     /// Finds what is seen in a tile. False where nothing is.
     pub fn look(&mut self, square: &Square, rect: TileRect) -> bool {
         self.triangles.clear();
         self.which.clear();
-        let mut number_at = [NOTHING; crate::film::TILE * crate::film::TILE];
-        for (i, pixel) in pixels(rect).enumerate() {
-            let number = square.number(pixel);
-            number_at[i] = number;
-            // mostly that of the pixel before or below; never one of an earlier batch, which has no numbers any more
-            let known =
-                [1, rect.width].into_iter().filter(|back| *back <= i).find(|back| number_at[i - back] == number);
-            let which = match known {
-                Some(back) if number != NOTHING => self.which[i - back],
-                _ => match square.seen(self.batch, pixel) {
-                    None => NONE,
-                    Some(seen) => {
-                        self.triangles.push(self.triangle(seen));
-                        self.triangles.len() as u32 - 1
-                    }
-                },
-            };
-            self.which.push(which);
+        let mut below = [(NOTHING, NONE); TILE];
+        for y in rect.y..rect.y + rect.height {
+            let mut before = (NOTHING, NONE);
+            let numbers = square.row([rect.x as i32, y as i32], rect.width);
+            for ((x, &number), below) in (rect.x..).zip(numbers).zip(&mut below) {
+                // mostly the triangle of the pixel before or below; one of an earlier batch has no number any more
+                if number == NOTHING || number != before.0 {
+                    before = if number != NOTHING && number == below.0 {
+                        *below
+                    } else {
+                        let pixel = [x as i32, y as i32];
+                        (number, self.take(square.seen(self.batch, pixel), pixel))
+                    };
+                }
+                *below = before;
+                self.which.push(before.1);
+            }
         }
         !self.triangles.is_empty()
     }
 
-    /// Colours of the tile that was looked at.
-    pub fn colors(&mut self, rect: TileRect, sums: &mut Vec<PixelSum>) {
-        let is_lit = self.scene.settings.raster_color == RasterColor::Shaded;
-        if is_lit {
-            self.face(rect);
-        }
-        for (i, pixel) in pixels(rect).enumerate() {
-            let Some(triangle) = self.triangles.get(self.which[i] as usize) else {
-                sums.push(PixelSum::of(Rgb::BLACK, 0.0));
-                continue;
-            };
-            let color = if is_lit {
-                let base =
-                    triangle.color.unwrap_or_else(|| triangle.display_color(triangle.barycentrics(self.grid, pixel)));
-                base * self.facing[i].normal.x + triangle.emission
-            } else {
-                self.random_color(triangle)
-            };
-            sums.push(PixelSum::of(color, 1.0));
-        }
+    /// Index of a triangle that is seen.
+    #[inline]
+    fn take(&mut self, seen: Option<Seen>, pixel: [i32; 2]) -> u32 {
+        let Some(seen) = seen else { return NONE };
+        let triangle = self.triangle(seen, pixel);
+        self.triangles.push(triangle);
+        self.triangles.len() as u32 - 1
     }
 
-    /// Leaves the cosine between normal and view ray in the x of each pixel's normal.
-    fn face(&mut self, rect: TileRect) {
+    /// Colours of the tile that was looked at.
+    pub fn colors(&mut self, rect: TileRect, sums: &mut Vec<PixelSum>) {
+        if self.scene.settings.raster_color == RasterColor::Shaded {
+            return self.headlit(rect, sums);
+        }
+        let triangles = self.which.iter().map(|which| self.triangles.get(*which as usize));
+        sums.extend(triangles.map(|triangle| match triangle {
+            Some(triangle) => PixelSum::of(self.random_color(triangle), 1.0),
+            None => PixelSum::of(Rgb::BLACK, 0.0),
+        }));
+    }
+
+    /// Colours, lit from the eye.
+    fn headlit(&mut self, rect: TileRect, sums: &mut Vec<PixelSum>) {
         self.facing.clear();
-        for (i, pixel) in pixels(rect).enumerate() {
-            let direction = self.direction(pixel);
-            let triangle = self.triangles.get(self.which[i] as usize);
-            let normal = triangle.map_or(Vec3::X, |t| t.shading_normal(t.barycentrics(self.grid, pixel)));
-            self.facing.push(Facing { normal, direction });
+        for (y, which) in (rect.y..).zip(self.which.chunks_exact(rect.width)) {
+            for (x, &which) in (rect.x..).zip(which) {
+                let pixel = [x as i32, y as i32];
+                let direction = self.direction(pixel);
+                let Some(triangle) = self.triangles.get(which as usize) else {
+                    self.facing.push(Facing { normal: direction, direction, base: Rgb::BLACK });
+                    continue;
+                };
+                let barycentrics = triangle.barycentrics(pixel);
+                let base = triangle.color.unwrap_or_else(|| triangle.display_color(barycentrics));
+                self.facing.push(Facing { normal: triangle.shading_normal(barycentrics), direction, base });
+            }
         }
-        for Facing { normal, direction } in &mut self.facing {
-            let squared = normal.length_squared() * direction.length_squared();
-            let cos = normal.dot(*direction).abs() / squared.sqrt();
-            // what is not a number faces nothing
-            normal.x = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
+        for facing in &mut self.facing {
+            facing.base *= facing.cos();
         }
+        sums.extend(self.facing.iter().zip(&self.which).map(
+            |(facing, which)| match self.triangles.get(*which as usize) {
+                Some(triangle) => PixelSum::of(facing.base + triangle.emission, 1.0),
+                None => PixelSum::of(Rgb::BLACK, 0.0),
+            },
+        ));
     }
 
     /// What AOVs keep of the tile that was looked at.
@@ -148,7 +180,8 @@ impl<'a> Shader<'a> {
 
     fn center(&self, triangle: &Triangle<'_>, pixel: [i32; 2]) -> CenterHit {
         let (scene, placement, mesh) = (self.scene, triangle.placement, triangle.mesh);
-        let barycentrics = triangle.barycentrics(self.grid, pixel);
+        let corners = mesh.shape.triangle(triangle.index).map(|p| placement.film_from_object.apply(p));
+        let barycentrics = barycentrics(self.grid, &corners, self.grid.film_position(pixel));
         let [p, q, r] = mesh.shape.triangle(triangle.index).map(|p| p.0);
         let point = Point3(p * barycentrics[0] + q * barycentrics[1] + r * barycentrics[2]);
         let depths = scene.camera.depths_at(placement.film_from_object.apply(point).distance as f32);
@@ -176,24 +209,43 @@ impl<'a> Shader<'a> {
     }
 
     #[inline]
-    fn triangle(&self, seen: Seen) -> Triangle<'a> {
+    fn triangle(&self, seen: Seen, origin: [i32; 2]) -> Triangle<'a> {
         let placement = &self.placements[seen.placement as usize];
         let (mesh, index) = (placement.mesh(self.scene), seen.triangle);
-        let corners = mesh.shape.triangle(index);
         let material = self.scene.materials.get(mesh.material_of(index) as usize);
         let normals = match &mesh.attributes.normals {
             Some(normals) => normals.at_vertices(&mesh.shape.mesh, index),
-            None => [face_normal(corners); 3],
+            None => [face_normal(mesh.shape.triangle(index)); 3],
         };
-        Triangle {
-            placement,
-            mesh,
-            index,
-            corners: corners.map(|p| placement.film_from_object.apply(p)),
-            normals,
-            color: material.and_then(|m| m.base_color),
-            emission: material.map_or(Rgb::BLACK, |m| m.emission),
+        let (corners, scales) = self.corners(placement, seen, origin);
+        let (color, emission) = (material.and_then(|m| m.base_color), material.map_or(Rgb::BLACK, |m| m.emission));
+        Triangle { placement, mesh, index, corners, scales, origin, normals, color, emission }
+    }
+
+    /// Corners and scales of a triangle.
+    #[inline]
+    fn corners(&self, placement: &Placement, seen: Seen, origin: [i32; 2]) -> ([[f32; 3]; 3], [f32; 3]) {
+        let shape = &placement.mesh(self.scene).shape;
+        let projected = seen.placement.checked_sub(self.batch.placements.start as u32);
+        if let Some(vertices) = projected.and_then(|at| self.vertices.get(at as usize)) {
+            let corners = shape.mesh.triangles[seen.triangle as usize].map(|i| vertices[i as usize]);
+            if !corners.iter().any(Vertex::is_off_grid) {
+                let to_pixels = 1.0 / (1u32 << self.grid.subpixel_bits) as f32;
+                let middle =
+                    [self.grid.center(origin[0], self.grid.width), self.grid.center(origin[1], self.grid.height)];
+                let from_origin =
+                    |v: Vertex| [(v.x - middle[0]) as f32 * to_pixels, (v.y - middle[1]) as f32 * to_pixels, 1.0];
+                let scale = |v: Vertex| if self.grid.is_perspective { v.nearness } else { 1.0 };
+                return (corners.map(from_origin), corners.map(scale));
+            }
         }
+        let [x, y] = self.grid.film_position(origin);
+        let from_origin = |p: Point3| {
+            let p = placement.film_from_object.apply(p);
+            let weight = self.grid.weight(&p);
+            [(p.x - x * weight) as f32, (p.y - y * weight) as f32, weight as f32]
+        };
+        (shape.triangle(seen.triangle).map(from_origin), [1.0; 3])
     }
 
     /// A colour that looks like no other polygon's, or no other prim's.
@@ -212,9 +264,17 @@ fn pixels(rect: TileRect) -> impl Iterator<Item = [i32; 2]> {
 }
 
 impl Triangle<'_> {
+    /// The barycentrics at a pixel's middle, precise enough for colours.
     #[inline]
-    fn barycentrics(&self, grid: &Grid, pixel: [i32; 2]) -> [f32; 3] {
-        barycentrics(grid, &self.corners, grid.film_position(pixel))
+    fn barycentrics(&self, pixel: [i32; 2]) -> [f32; 3] {
+        let [x, y] = [0, 1].map(|axis| (pixel[axis] - self.origin[axis]) as f32);
+        let [a, b, c] = self.corners.map(|[px, py, weight]| [px - x * weight, py - y * weight]);
+        let area = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
+        let [of_a, of_b, of_c] = self.scales;
+        let weights = [area(b, c) * of_a, area(c, a) * of_b, area(a, b) * of_c];
+        let sum = weights[0] + weights[1] + weights[2];
+        // seen edge on, by rounding alone
+        if sum == 0.0 { [1.0 / 3.0; 3] } else { weights.map(|w| (w / sum).clamp(0.0, 1.0)) }
     }
 
     /// Not of unit length; render space.

@@ -9,6 +9,10 @@ use crate::film::TILE;
 
 /// Edge of a square, pixels; a multiple of the film's tiles'.
 pub const SQUARE: usize = 64;
+/// Blocks across a square.
+const BLOCKS: usize = 8;
+/// Edge of a block, pixels.
+const BLOCK: usize = SQUARE / BLOCKS;
 /// Number of no triangle.
 pub const NOTHING: u32 = 0;
 
@@ -32,7 +36,9 @@ impl Canvas {
         let square = |i: usize| {
             let first = [i % columns * SQUARE, i / columns * SQUARE].map(|v| v as i32);
             let size = [grid.width - first[0], grid.height - first[1]].map(|left| left.min(SQUARE as i32));
-            Mutex::new(Square { first, size, ..Square::default() })
+            let least = [grid.far_nearness; BLOCKS * BLOCKS];
+            let (nearness, numbers, earlier) = Default::default();
+            Mutex::new(Square { first, size, nearness, numbers, least, stale: 0, earlier })
         };
         Self { grid, columns, squares: (0..columns * rows).map(square).collect() }
     }
@@ -51,7 +57,7 @@ impl Canvas {
 }
 
 /// A square of the film.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Square {
     /// First column and row.
     pub first: [i32; 2],
@@ -61,11 +67,72 @@ pub struct Square {
     pub nearness: Vec<f32>,
     /// As `nearness`.
     pub numbers: Vec<u32>,
+    /// Least nearness in each block, or less: nearness only grows.
+    least: [f32; BLOCKS * BLOCKS],
+    /// Blocks that were drawn on since their least nearness was found, a bit each.
+    stale: u64,
     /// What was seen before the batch whose numbers those are; empty if that is the first.
     earlier: Vec<Option<Seen>>,
 }
 
 impl Square {
+    /// Says that pixels from one column and row to another, of the film, were drawn on.
+    #[inline]
+    pub fn touch(&mut self, [first, last]: [[i32; 2]; 2]) {
+        let [x0, y0, x1, y1] = self.blocks([first, last]);
+        let columns = (2 << x1) - (1 << x0);
+        for y in y0..y1 + 1 {
+            self.stale |= columns << (y * BLOCKS);
+        }
+    }
+
+    /// Whether all pixels from one column and row to another, of the film, show what is nearer than `nearness`. False
+    /// where that is not known; `look`: looks at the pixels to know.
+    #[inline]
+    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32, look: bool) -> bool {
+        let [x0, y0, x1, y1] = self.blocks(range);
+        for y in y0..y1 + 1 {
+            for x in x0..x1 + 1 {
+                if !self.block_hides(y * BLOCKS + x, nearness, look) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    #[inline]
+    fn block_hides(&mut self, block: usize, nearness: f32, look: bool) -> bool {
+        if self.least[block] > nearness {
+            return true;
+        }
+        if look && self.stale >> block & 1 != 0 {
+            self.find_least(block);
+            return self.least[block] > nearness;
+        }
+        false
+    }
+
+    fn find_least(&mut self, block: usize) {
+        self.stale &= !(1 << block);
+        let at = block / BLOCKS * BLOCK * SQUARE + block % BLOCKS * BLOCK;
+        let rows = self.nearness[at..].chunks(SQUARE).take(BLOCK);
+        let mut least = [f32::INFINITY; BLOCK];
+        for row in rows {
+            for (least, nearness) in least.iter_mut().zip(&row[..BLOCK]) {
+                *least = if *nearness < *least { *nearness } else { *least };
+            }
+        }
+        self.least[block] = least.into_iter().fold(f32::INFINITY, f32::min);
+    }
+
+    /// The blocks that hold pixels of the film: first and last column and row.
+    #[inline]
+    fn blocks(&self, [first, last]: [[i32; 2]; 2]) -> [usize; 4] {
+        let of = |pixel: i32, axis: usize| (pixel - self.first[axis]) as usize / BLOCK;
+        [of(first[0], 0), of(first[1], 1), of(last[0], 0), of(last[1], 1)]
+    }
+
     /// Draws on a pixel of the film.
     #[inline]
     pub fn draw_pixel(&mut self, [x, y]: [i32; 2], nearness: f32, number: u32) {
@@ -76,11 +143,11 @@ impl Square {
         }
     }
 
-    /// The number of what is seen at a pixel of the film.
+    /// The numbers of what is seen from a pixel of the film on, along a row; none where nothing was ever drawn.
     #[inline]
-    pub fn number(&self, [x, y]: [i32; 2]) -> u32 {
+    pub fn row(&self, [x, y]: [i32; 2], length: usize) -> &[u32] {
         let at = (y - self.first[1]) as usize * SQUARE + (x - self.first[0]) as usize;
-        self.numbers.get(at).copied().unwrap_or(NOTHING)
+        self.numbers.get(at..at + length).unwrap_or(&[])
     }
 
     /// Whether nothing was ever drawn on it.
@@ -118,14 +185,14 @@ pub struct Pencil<'a> {
 }
 
 impl Pencil<'_> {
-    /// Draws a triangle; where `is_there` is given, at the pixels alone for which it says so.
+    /// Draws a triangle, after a look whether it is hidden if `look`; where `is_there` is given, at the pixels alone for which it says so.
     #[inline]
-    pub fn draw(&mut self, triangle: &Triangle, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
+    pub fn draw(&mut self, triangle: &Triangle, look: bool, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
         let [[x0, x1], [y0, y1]] = triangle.pixels().map(|range| range.map(|pixel| pixel as usize / SQUARE));
-        for row in y0..=y1 {
-            for column in x0..=x1 {
+        for row in y0..y1 + 1 {
+            for column in x0..x1 + 1 {
                 let index = row * self.canvas.columns + column;
-                triangle.fill(&self.canvas.grid, self.square(index), is_there);
+                triangle.fill(&self.canvas.grid, self.square(index), look, is_there);
             }
         }
     }
