@@ -15,12 +15,10 @@ mod shade;
 mod tests;
 mod visibility;
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
-use umber_geometry::TriangleMesh;
 use umber_math::{Point3, Vec3};
 use umber_settings::Settings;
 
@@ -34,8 +32,8 @@ use project::{Grid, Vertex};
 use shade::Shader;
 use visibility::{Canvas, Square};
 
-/// Triangles that one thread draws at a time.
-const PIECE: usize = 1 << 14;
+/// Groups of triangles that one thread draws at a time.
+const PIECE: usize = 512;
 /// Points that one thread projects at a time, at least.
 const POINTS_A_PIECE: usize = 1 << 13;
 
@@ -85,6 +83,8 @@ fn project(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &St
         }
         points.par_iter().with_min_len(POINTS_A_PIECE).map(place).collect()
     };
+    // here, where all threads are at work
+    placements.par_iter().for_each(|placement| _ = placement.mesh(scene).shape.clusters());
     placements.par_iter().map(projected).collect()
 }
 
@@ -105,8 +105,9 @@ fn draw(
     order.sort_by(|a, b| placements[a.0].distance.total_cmp(&placements[b.0].distance));
     let pieces = order.into_iter().flat_map(|(index, vertices)| {
         let (placement, first_number) = (&placements[index], batch.first_number(index));
-        let ranges = ranges_of(&placement.mesh(scene).shape.mesh);
-        ranges.map(move |triangles| Piece { placement, vertices, first_number, triangles })
+        let count = placement.mesh(scene).shape.clusters().len();
+        let ranges = (0..count).step_by(PIECE).map(move |start| start..(start + PIECE).min(count));
+        ranges.map(move |clusters| Piece { placement, vertices, first_number, clusters })
     });
     let (jobs, next) = (jobs(pieces), AtomicUsize::new(0));
     rayon::broadcast(|_| {
@@ -117,21 +118,15 @@ fn draw(
     });
 }
 
-/// A mesh's triangles in pieces.
-fn ranges_of(mesh: &TriangleMesh) -> impl Iterator<Item = Range<usize>> + use<> {
-    let count = mesh.len();
-    (0..count).step_by(PIECE).map(move |start| start..(start + PIECE).min(count))
-}
-
-/// Pieces in lists of about [`PIECE`] triangles.
+/// Pieces in lists of about [`PIECE`] groups.
 fn jobs<'a>(pieces: impl Iterator<Item = Piece<'a>>) -> Vec<Vec<Piece<'a>>> {
     let (mut jobs, mut job, mut size) = (Vec::new(), Vec::new(), 0);
     for piece in pieces {
-        if size + piece.triangles.len() > PIECE && !job.is_empty() {
+        if size + piece.clusters.len() > PIECE && !job.is_empty() {
             jobs.push(std::mem::take(&mut job));
             size = 0;
         }
-        size += piece.triangles.len();
+        size += piece.clusters.len();
         job.push(piece);
     }
     jobs.push(job);

@@ -32,13 +32,6 @@ impl Boxed {
         let rows = grid.pixels_between(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y), grid.height);
         Self { corners, number, pixels: [columns, rows] }
     }
-    /// Whether it winds clockwise on the film, as far as single precision tells.
-    #[inline]
-    pub fn is_clockwise(&self) -> bool {
-        let [a, b, c] = self.corners;
-        let [to_b, to_c] = [b, c].map(|v| [(v.x - a.x) as f32, (v.y - a.y) as f32]);
-        to_b[0] * to_c[1] < to_b[1] * to_c[0]
-    }
     /// No less than its nearness anywhere.
     #[inline]
     pub fn most_nearness(&self) -> f32 {
@@ -85,19 +78,16 @@ impl Triangle {
         self.pixels
     }
 
-    /// Draws it on one of the squares that it may reach. `look`: after a look whether it is hidden.
+    /// Draws it on one of the squares that it may reach.
     #[inline]
-    pub fn fill(&self, grid: &Grid, square: &mut Square, look: bool, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
-        let [columns, rows] = [0, 1].map(|axis| {
-            let [first, last] = self.pixels[axis];
-            [first.max(square.first[axis]), last.min(square.first[axis] + square.size[axis] - 1)]
-        });
-        let range = [[columns[0], rows[0]], [columns[1], rows[1]]];
-        if square.hides(range, most_nearness(&self.corners), look) {
+    pub fn fill(&self, grid: &Grid, square: &mut Square, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
+        let range = square.part_of(self.pixels);
+        if square.hides(range, most_nearness(&self.corners)) {
             return;
         }
         square.touch(range);
-        let cover = Cover::new(grid, self, range[0], [columns[1] - columns[0] + 1, rows[1] - rows[0] + 1]);
+        let [first, last] = range;
+        let cover = Cover::new(grid, self, first, [last[0] - first[0] + 1, last[1] - first[1] + 1]);
         match is_there {
             None if cover.size[0] <= NARROW => cover.draw_pixels(square, |_| true),
             None => cover.draw_spans(square),

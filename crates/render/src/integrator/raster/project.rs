@@ -185,6 +185,28 @@ impl Grid {
         [first.max(0), last.min(pixels - 1)]
     }
 
+    /// Where a box can be on the film, and how near at most. `None`: behind the near plane in part.
+    pub fn reach(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> Option<Reach> {
+        let (mut low, mut high, mut distance) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], f64::INFINITY);
+        for corner in bounds.corners() {
+            let p = film_from_object.apply(corner);
+            let scale = 1.0 / self.weight(&p);
+            for (axis, v) in [p.x * scale, p.y * scale].into_iter().enumerate() {
+                (low[axis], high[axis]) = (low[axis].min(v), high[axis].max(v));
+            }
+            distance = distance.min(p.distance);
+        }
+        let nearness = if self.is_perspective { 1.0 / distance } else { -distance } as f32;
+        // by a pixel more than it is, whatever the rounding
+        let pixels = |axis: usize, pixels: i32| {
+            let half = 0.5 * f64::from(pixels);
+            [((low[axis] + half - 1.0) as i32).max(0), ((high[axis] + half + 1.0) as i32).min(pixels - 1)]
+        };
+        let pixels = [pixels(0, self.width), pixels(1, self.height)];
+        let nearness = nearness + nearness.abs() * 1e-5;
+        (distance > self.near).then_some(Reach { pixels, nearness })
+    }
+
     /// Whether nothing of a box can be on the film.
     pub fn misses(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> bool {
         let corners = bounds.corners().map(|p| film_from_object.apply(p));
@@ -198,6 +220,15 @@ impl Grid {
             || all(&|p| p.y < -half_y * self.weight(p))
             || all(&|p| p.y > half_y * self.weight(p))
     }
+}
+
+/// Where something can be.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// First and last column, first and last row; the last before the first where it is beside the film.
+    pub pixels: [[i32; 2]; 2],
+    /// No less than its nearness anywhere.
+    pub nearness: f32,
 }
 
 /// A linear form of a point.

@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::fill::Triangle;
 use super::numbers::{Batch, Seen};
-use super::project::Grid;
+use super::project::{Grid, Reach};
 use crate::film::TILE;
 
 /// Edge of a square, pixels; a multiple of the film's tiles'.
@@ -76,6 +76,15 @@ pub struct Square {
 }
 
 impl Square {
+    /// The part of it in a range of columns and rows: first and last column and row.
+    #[inline]
+    pub fn part_of(&self, pixels: [[i32; 2]; 2]) -> [[i32; 2]; 2] {
+        let [[x0, x1], [y0, y1]] = pixels;
+        let [first_x, first_y] = self.first;
+        let last = [first_x + self.size[0] - 1, first_y + self.size[1] - 1];
+        [[x0.max(first_x), y0.max(first_y)], [x1.min(last[0]), y1.min(last[1])]]
+    }
+
     /// Says that pixels from one column and row to another, of the film, were drawn on.
     #[inline]
     pub fn touch(&mut self, [first, last]: [[i32; 2]; 2]) {
@@ -87,13 +96,13 @@ impl Square {
     }
 
     /// Whether all pixels from one column and row to another, of the film, show what is nearer than `nearness`. False
-    /// where that is not known; `look`: looks at the pixels to know.
+    /// also where one pixel of a block does not.
     #[inline]
-    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32, look: bool) -> bool {
+    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32) -> bool {
         let [x0, y0, x1, y1] = self.blocks(range);
         for y in y0..y1 + 1 {
             for x in x0..x1 + 1 {
-                if !self.block_hides(y * BLOCKS + x, nearness, look) {
+                if !self.block_hides(y * BLOCKS + x, nearness) {
                     return false;
                 }
             }
@@ -102,11 +111,11 @@ impl Square {
     }
 
     #[inline]
-    fn block_hides(&mut self, block: usize, nearness: f32, look: bool) -> bool {
+    fn block_hides(&mut self, block: usize, nearness: f32) -> bool {
         if self.least[block] > nearness {
             return true;
         }
-        if look && self.stale >> block & 1 != 0 {
+        if self.stale >> block & 1 != 0 {
             self.find_least(block);
             return self.least[block] > nearness;
         }
@@ -185,16 +194,35 @@ pub struct Pencil<'a> {
 }
 
 impl Pencil<'_> {
-    /// Draws a triangle, after a look whether it is hidden if `look`; where `is_there` is given, at the pixels alone for which it says so.
+    /// Draws a triangle; where `is_there` is given, at the pixels alone for which it says so.
     #[inline]
-    pub fn draw(&mut self, triangle: &Triangle, look: bool, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
+    pub fn draw(&mut self, triangle: &Triangle, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
         let [[x0, x1], [y0, y1]] = triangle.pixels().map(|range| range.map(|pixel| pixel as usize / SQUARE));
         for row in y0..y1 + 1 {
             for column in x0..x1 + 1 {
                 let index = row * self.canvas.columns + column;
-                triangle.fill(&self.canvas.grid, self.square(index), look, is_there);
+                triangle.fill(&self.canvas.grid, self.square(index), is_there);
             }
         }
+    }
+
+    /// Whether nothing of what reaches so far can be seen.
+    pub fn hides(&mut self, reach: &Reach) -> bool {
+        let [[x0, x1], [y0, y1]] = reach.pixels;
+        let of = |pixel: i32| pixel as usize / SQUARE;
+        if x0 > x1 || y0 > y1 {
+            return true;
+        }
+        for row in of(y0)..of(y1) + 1 {
+            for column in of(x0)..of(x1) + 1 {
+                let square = self.square(row * self.canvas.columns + column);
+                let range = square.part_of(reach.pixels);
+                if !square.hides(range, reach.nearness) {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// The square that a pixel is in.
