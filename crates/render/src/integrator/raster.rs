@@ -45,7 +45,6 @@ pub fn settings(given: &Settings) -> Settings {
 /// Gives every pixel of a film its sample; on the threads of the pool that it is called in. Ends early where stopped.
 /// How many pixels were given one.
 pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
-    let t0 = std::time::Instant::now();
     let grid = Grid::new(scene.camera.view(), film.desc().width, film.desc().height);
     let placements = placement::visible(scene, &grid);
     let batches = Batch::all(scene, &placements);
@@ -57,15 +56,12 @@ pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
         vertices = project(scene, &grid, &placements[batch.placements.clone()], stop);
         draw(scene, &canvas, &placements, batch, &vertices, stop);
     }
-    eprintln!("T drawn {:?}", t0.elapsed());
     let Some(last) = batches.last().filter(|_| !stop.now()) else { return 0 };
     let shaded = canvas.squares().par_iter_mut().map(|square| {
         let mut shader = Shader::new(scene, &grid, &placements, last, &vertices);
         if stop.now() { 0 } else { shade(&mut shader, own(square), film) }
     });
-    let v = shaded.sum();
-    eprintln!("T shaded {:?}", t0.elapsed());
-    v
+    shaded.sum()
 }
 
 /// A square of a canvas on which nobody draws.

@@ -6,8 +6,9 @@ use super::placement::Placement;
 use super::visibility::NOTHING;
 use crate::scene::RenderScene;
 
-/// Points that are projected at a time, at most, but for those of one mesh: what bounds the memory.
-const MOST_POINTS: usize = 1 << 22;
+/// Points that are projected at a time, at most, but for those of one mesh: what bounds the memory. Few in
+/// tests, so that they have several batches.
+const MOST_POINTS: usize = if cfg!(test) { 64 } else { 1 << 22 };
 /// Triangles that are drawn at a time, at most, but for those of one mesh.
 const MOST_TRIANGLES: u32 = 1 << 30;
 
