@@ -66,24 +66,17 @@ def test_rasterised_faces_are_those_that_rays_hit(faces: int) -> None:
 
 @needs_seed
 @pytest.mark.parametrize("faces", FACES)
-def test_mean_depth_picks_other_faces(faces: int) -> None:
-    """The faces that the order by mean depth picks differ where the reference says so, and there alone."""
-    by_mean_depth = np.load(SEED / f"raster_face_{faces}.npy")
-    shown = sphere(faces, ["elementId"], integrator="raster")["elementId"].squeeze()
-    assert abs(np.count_nonzero(shown != by_mean_depth) - {20: 131, 80: 138}[faces]) <= 20
-
-
-@needs_seed
-@pytest.mark.parametrize("faces", FACES)
 def test_mirror_factor(faces: int) -> None:
     """Without roughness the factor is the reference's, wherever both hit."""
     factor = np.load(SEED / f"mirror_factor_{faces}.npy")
     color = sphere(faces, ["color"], integrator="mirror", convergedSamplesPerPixel=1)["color"]
     both = (factor > -2) & (color[..., 3] > 0)
     assert np.count_nonzero(both) > 0.999 * np.count_nonzero(factor > -2) > 1000
-    expected = np.where(factor > 0, factor, AWAY)
     for channel in range(3):
-        np.testing.assert_allclose(color[..., channel][both], expected[both], atol=2e-3)
+        value = color[..., channel][both]
+        is_factor, is_away = np.abs(value - factor[both]) <= 2e-3, np.abs(value - AWAY) <= 1e-6
+        # where the factor is about zero its sign is a matter of rounding
+        assert np.where(factor[both] > 2e-3, is_factor, np.where(factor[both] < -2e-3, is_away, is_factor | is_away)).all()
     assert not color[color[..., 3] == 0].any()
 
 

@@ -1,7 +1,9 @@
 //! Which pixels' middles a triangle covers, and whether it is the nearest there.
 //!
-//! Edge functions are exact, in whole numbers, so that of two triangles that share an edge exactly one covers what
-//! lies on it (Pineda 1988, "A Parallel Algorithm for Polygon Rasterization"; the rule is "top left").
+//! Edge functions are exact, in whole numbers (Pineda 1988, "A Parallel Algorithm for Polygon Rasterization"): nothing
+//! gets through between triangles that share an edge. What lies on it belongs to both, and of what is as near the
+//! smaller number is seen, as where a ray hits both. A fill rule such as "top left" would give it to one of them
+//! alone, by where that lies on the film; that matters where colours are mixed, which they are not here.
 
 use super::project::{Grid, Vertex};
 use super::visibility::{SQUARE, Square};
@@ -112,7 +114,7 @@ fn twice_area([a, b, c]: &[Vertex; 3]) -> i64 {
     along(a.x, b.x) * along(a.y, c.y) - along(a.y, b.y) * along(a.x, c.x)
 }
 
-/// An edge function at pixel middles: not negative on the triangle's side, and where the edge itself counts.
+/// An edge function at pixel middles: not negative on the triangle's side and on the edge.
 #[derive(Clone, Copy)]
 struct Edge {
     /// At the first pixel.
@@ -128,13 +130,7 @@ impl Edge {
     fn new(grid: &Grid, a: Vertex, b: Vertex, first: [i32; 2]) -> Self {
         let [dx, dy] = [i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y)];
         let [px, py] = [i64::from(first[0]) - i64::from(a.x), i64::from(first[1]) - i64::from(a.y)];
-        // anticlockwise with y up, the left edges go down and the top ones to the left
-        let is_top_left = dy < 0 || dy == 0 && dx < 0;
-        Self {
-            value: dx * py - dy * px - i64::from(!is_top_left),
-            across: -dy << grid.subpixel_bits,
-            up: dx << grid.subpixel_bits,
-        }
+        Self { value: dx * py - dy * px, across: -dy << grid.subpixel_bits, up: dx << grid.subpixel_bits }
     }
 }
 
@@ -226,7 +222,7 @@ impl<'a> Cover<'a> {
             let row = self.start(square) + j as usize * SQUARE;
             let range = row + from as usize..=row + to as usize;
             let (nearness, numbers) = (&mut square.nearness[range.clone()], &mut square.numbers[range]);
-            draw_span(nearness, numbers, self.triangle.number, plane.at(from, j), plane.across as f32);
+            draw_span(nearness, numbers, self.triangle.number, |i| plane.at(from + i, j));
         }
     }
 
@@ -265,19 +261,20 @@ impl<'a> Cover<'a> {
     }
 }
 
-/// Draws neighbouring pixels, of a nearness that changes by `across` from one to the next.
-fn draw_span(nearness: &mut [f32], numbers: &mut [u32], number: u32, first: f32, across: f32) {
+/// Draws neighbouring pixels, of a nearness that depends on how many of them are before.
+#[inline]
+fn draw_span(nearness: &mut [f32], numbers: &mut [u32], number: u32, nearness_at: impl Fn(i32) -> f32) {
     let mut is_tie = false;
-    for (i, (old_nearness, old_number)) in (0u8..).zip(nearness.iter_mut().zip(numbers.iter_mut())) {
-        let nearness = first + across * f32::from(i);
+    for (i, (old_nearness, old_number)) in (0..).zip(nearness.iter_mut().zip(numbers.iter_mut())) {
+        let nearness = nearness_at(i);
         let is_nearer = nearness > *old_nearness;
         is_tie |= nearness == *old_nearness;
         *old_number = if is_nearer { number } else { *old_number };
         *old_nearness = if is_nearer { nearness } else { *old_nearness };
     }
     if is_tie {
-        for (i, (old_nearness, old_number)) in (0u8..).zip(nearness.iter().zip(numbers)) {
-            if first + across * f32::from(i) == *old_nearness {
+        for (i, (old_nearness, old_number)) in (0..).zip(nearness.iter().zip(numbers)) {
+            if nearness_at(i) == *old_nearness {
                 *old_number = number.min(*old_number);
             }
         }
