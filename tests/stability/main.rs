@@ -5,6 +5,7 @@
 
 mod boxes;
 mod far_and_small;
+mod mean_depth;
 mod self_intersection;
 mod watertight;
 

@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::{Context, Result};
 
+mod chapter;
 mod efficiency;
 
 use crate::{process, render, workspace};
@@ -23,7 +24,7 @@ const STAGES: [(&str, &str); 2] = [
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`,
-    /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`. See `rays --help`.
+    /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`, `chapter [--pictures N]`. See `rays --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }
@@ -39,6 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         return efficiency::run(&arguments.words[1..], &folder);
     }
     let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
+    if arguments.words.first().is_some_and(|what| what == "chapter") {
+        return chapter::run(&arguments.words[1..], &folder);
+    }
     for (name, stage) in STAGES.into_iter().filter(|_| of_stages) {
         dump(&workspace::root().join("../shared/assets").join(stage), &folder.join(name).with_extension("tri"))?;
     }
