@@ -174,16 +174,18 @@ fn sample(
     // numbered within the whole view, so that a part of it shows the same noise
     let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
     let mut sampler = Sampler::new(sequence.seed, pixel, number);
-    sampler.start_dimension(dimensions::FILM);
-    let in_pixel = sampler.next_2d();
-    let ray_at = |in_pixel| scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
-    let sample = match scene.settings.integrator {
-        Integrator::Mirror => {
-            let first = number == 0 && sequence.half == 0;
-            let ray = ray_at(if first { Vec2::splat(0.5) } else { in_pixel });
-            mirror::radiance(scene, ray, &mut sampler, rays)
-        }
-        _ => path::radiance(scene, ray_at(in_pixel), &mut sampler, rays),
+    let is_mirror = scene.settings.integrator == Integrator::Mirror;
+    let in_pixel = if is_mirror && number == 0 && sequence.half == 0 {
+        Vec2::splat(0.5)
+    } else {
+        sampler.start_dimension(dimensions::FILM);
+        sampler.next_2d()
+    };
+    let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
+    let sample = if is_mirror {
+        mirror::radiance(scene, ray, &mut sampler, rays)
+    } else {
+        path::radiance(scene, ray, &mut sampler, rays)
     };
     RadianceSample { radiance: clamped(finite(sample.radiance), scene.settings.firefly_clamp), ..sample }
 }

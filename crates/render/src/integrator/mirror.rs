@@ -5,7 +5,7 @@
 
 use std::f32::consts::TAU;
 
-use umber_geometry::surface_point;
+use umber_geometry::geometric_normal;
 use umber_math::{Ray, Rgb, Vec3, Vector3};
 use umber_sampling::Sampler;
 
@@ -23,9 +23,9 @@ pub fn radiance(scene: &RenderScene, ray: Ray, sampler: &mut Sampler, rays: &mut
     let Some(hit) = scene.camera_hit(ray, rays, |_| 0.5) else {
         return RadianceSample { radiance: Rgb::BLACK, coverage: 0.0 };
     };
-    let shape = &scene.meshes[hit.mesh as usize].shape;
-    // render space is world space, moved
-    let normal = surface_point(shape.triangle(hit.triangle), hit.barycentrics, scene.top.transforms(&hit.path)).normal;
+    let [a, b, c] = scene.meshes[hit.mesh as usize].shape.triangle(hit.triangle);
+    // which side it is on does not matter here; render space is world space, moved
+    let normal = scene.top.render_from_object(&hit.path).normal(geometric_normal(a, b, c)).normalized();
     let reflected = ray.direction - normal.as_vector() * (2.0 * ray.direction.dot_normal(normal));
     let reflected = roughened(reflected, scene.settings.mirror_roughness, sampler);
     let factor = TO_LIGHT.dot(reflected.0);
