@@ -4,7 +4,7 @@ use umber_math::{Bounds3, Ray};
 
 use crate::{
     ray::TraversalRay,
-    simd,
+    simd::{self, SimdLevel},
     wide::{MAX_PRIMITIVES, WideTree},
 };
 
@@ -31,7 +31,9 @@ impl BoundsBvh {
     /// Boxes are met conservatively: `visit` has the last word on its primitive.
     pub fn traverse(&self, ray: &Ray, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
         if let Some(prepared) = TraversalRay::new(ray) {
-            simd::walk_portable(&self.tree, &prepared, ray.t_max, |slot, t_max| visit(self.order[slot], t_max));
+            simd::visit_boxes(SimdLevel::best(), &self.tree, &prepared, ray.t_max, |slot, t_max| {
+                visit(self.order[slot], t_max)
+            });
         }
     }
 

@@ -267,8 +267,8 @@ impl InstanceBvh {
 
     /// The transforms along a path, outermost first, each from a child's space to its group's; as many as there are
     /// where the path leads nowhere.
-    #[inline]
-    pub fn transforms(&self, path: &InstancePath) -> impl DoubleEndedIterator<Item = &DAffine3> + use<'_> {
+    #[inline(always)] // most paths have one level: then little is left of it
+    pub fn transforms(&self, path: &InstancePath) -> impl DoubleEndedIterator<Item = &DAffine3> + Clone + use<'_> {
         let (mut transforms, mut count) = ([&DAffine3::IDENTITY; MAX_DEPTH], 0);
         let mut group = Some(self);
         for (&index, slot) in path.as_slice().iter().zip(&mut transforms) {

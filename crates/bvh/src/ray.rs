@@ -36,7 +36,8 @@ impl TraversalRay {
         if !inverse.is_finite() {
             inverse = Vec3::select(direction.cmpeq(Vec3::ZERO) | inverse.is_finite_mask(), inverse, Vec3::NAN);
         }
-        let near = direction.to_array().map(|d| usize::from(d.is_sign_negative()));
+        let near_plane = |d: f32| usize::from(d.is_sign_negative());
+        let near = [near_plane(direction.x), near_plane(direction.y), near_plane(direction.z)];
         let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
         Some(Self { sheared, inverse, inverse_far: inverse * FAR_SLACK, near, t_min })
     }

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search};
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideTree};
 use vector::Vector;
 
 #[cfg(target_arch = "x86_64")]
@@ -131,9 +131,20 @@ pub(crate) trait Isa: Vector {
     /// # Safety
     /// The processor has the unit.
     unsafe fn group_any(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool;
+
+    /// See [`visit_boxes`].
+    ///
+    /// # Safety
+    /// The processor has the unit.
+    unsafe fn visit_boxes<F: FnMut(usize, f32) -> Option<f32>>(
+        tree: &WideTree,
+        ray: &TraversalRay,
+        limit: f32,
+        visit: F,
+    );
 }
 
-/// The four traversals of an [`Isa`], compiled with its features.
+/// The traversals of an [`Isa`], compiled with its features.
 macro_rules! compile_traversals {
     ($($feature:literal)?) => {
         $(#[target_feature(enable = $feature)])?
@@ -155,6 +166,16 @@ macro_rules! compile_traversals {
         unsafe fn group_any(group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
             // SAFETY: the caller vouches for the unit.
             unsafe { instances::any::<Self>(group, ray, limit) }
+        }
+        $(#[target_feature(enable = $feature)])?
+        unsafe fn visit_boxes<F: FnMut(usize, f32) -> Option<f32>>(
+            tree: &WideTree,
+            ray: &TraversalRay,
+            limit: f32,
+            visit: F,
+        ) {
+            // SAFETY: the caller vouches for the unit.
+            unsafe { walk::each::<Self, F>(tree, ray, limit, visit) }
         }
     };
 }
@@ -199,5 +220,15 @@ pub(crate) fn group_any(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRa
     }
 }
 
-/// Traverses a tree on the portable unit, calling `visit` for each primitive whose box is met.
-pub(crate) use walk::walk_portable;
+/// Calls `visit` with each primitive, by its place in the tree's order, whose box the ray meets up to the limit;
+/// nearer boxes first. What it gives becomes the limit, if smaller.
+#[inline]
+pub(crate) fn visit_boxes(
+    level: SimdLevel,
+    tree: &WideTree,
+    ray: &TraversalRay,
+    limit: f32,
+    visit: impl FnMut(usize, f32) -> Option<f32>,
+) {
+    on_level!(level, visit_boxes(tree, ray, limit, visit));
+}

@@ -92,9 +92,8 @@ impl<T: AttributeValue> Attribute<T> {
 
     #[inline]
     fn blend(&self, indices: Option<&[u32; 3]>, b: [f32; 3]) -> T {
-        let Some(indices) = indices else { return T::default() };
-        let [v0, v1, v2] = indices.map(|i| self.value(i));
-        v0 * b[0] + v1 * b[1] + v2 * b[2]
+        let Some(&[i0, i1, i2]) = indices else { return T::default() };
+        self.value(i0) * b[0] + self.value(i1) * b[1] + self.value(i2) * b[2]
     }
 }
 

@@ -65,22 +65,23 @@ const SECOND_ORDER: f64 = 1.0 + 1.0 / 64.0;
 pub fn surface_point<'a>(
     triangle: [Point3; 3],
     [b0, b1, b2]: [f32; 3],
-    transforms: impl DoubleEndedIterator<Item = &'a DAffine3>,
+    transforms: impl DoubleEndedIterator<Item = &'a DAffine3> + Clone,
 ) -> SurfacePoint {
-    let [a, b, c] = triangle.map(|p| p.0.as_dvec3());
-    let weights = [b0, b1, b2].map(f64::from);
+    let transforms = transforms.filter(|t| **t != DAffine3::IDENTITY);
+    let [a, b, c] = [triangle[0].0.as_dvec3(), triangle[1].0.as_dvec3(), triangle[2].0.as_dvec3()];
+    let weights = [f64::from(b0), f64::from(b1), f64::from(b2)];
     let mut edges = [b - a, c - a];
     let mut point = a + edges[0] * weights[1] + edges[1] * weights[2];
-    let extent = DVec3::splat([a, b, c].into_iter().fold(0.0, |e: f64, v| e.max((v - point).abs().max_element())));
+    let extent = (a - point).abs().max((b - point).abs()).max((c - point).abs()).max_element();
     let mut normal = edges[0].cross(edges[1]);
     let own = point.abs() * ROUNDING;
     // Towards the plane, times the normal's length: of all roundings, and of where an edge is.
-    let mut height = normal.abs().dot(own + extent * DOUBLE_ERROR);
-    let mut edge_height = normal.abs().dot(extent * EDGE_ERROR);
-    let mut reach = weight_error(edges, normal, own * EDGE_ROUNDINGS + extent * EDGE_REACH);
-    for transform in transforms.rev().filter(|t| **t != DAffine3::IDENTITY) {
+    let mut height = normal.abs().dot(own + DVec3::splat(extent * DOUBLE_ERROR));
+    let mut edge_height = normal.abs().dot(DVec3::splat(extent * EDGE_ERROR));
+    let mut most_reach = most_weight_error(edges, normal, own * EDGE_ROUNDINGS + DVec3::splat(extent * EDGE_REACH));
+    for transform in transforms.clone().rev() {
         let matrix = &transform.matrix3;
-        edges = edges.map(|e| *matrix * e);
+        edges = [*matrix * edges[0], *matrix * edges[1]];
         point = transform.transform_point3(point);
         normal = edges[0].cross(edges[1]);
         let own = point.abs() * ROUNDING;
@@ -88,19 +89,48 @@ pub fn surface_point<'a>(
         let volume = matrix.determinant().abs();
         height = height * volume + normal.abs().dot(own + inverse_error(transform, volume, point));
         edge_height *= volume;
-        reach += weight_error(edges, normal, own * EDGE_ROUNDINGS);
+        most_reach += most_weight_error(edges, normal, own * EDGE_ROUNDINGS);
+    }
+    // Most points are far from all edges: these need no exact reach. Written so that NaN is near.
+    if !(weights[0].min(weights[1]).min(weights[2]) >= most_reach) {
+        let reach = edge_reach([a, b, c], weights, extent, transforms);
+        if weights[0] < reach.x || weights[1] < reach.y || weights[2] < reach.z {
+            height += edge_height;
+            let to_middle = edges[0] * (1.0 / 3.0 - weights[1]) + edges[1] * (1.0 / 3.0 - weights[2]);
+            point += to_middle * inwards(weights, reach);
+        }
     }
     let area = normal.length();
-    if weights[0] < reach.x || weights[1] < reach.y || weights[2] < reach.z {
-        height += edge_height;
-        point += (edges[0] * (1.0 / 3.0 - weights[1]) + edges[1] * (1.0 / 3.0 - weights[2])) * inwards(weights, reach);
+    let (unit, clearance) = if area > 0.0 { (normal / area, height / area * SECOND_ORDER) } else { (DVec3::ZERO, 0.0) };
+    SurfacePoint { point: Point3(point.as_vec3()), normal: Normal3(unit.as_vec3()), clearance: clearance as f32 }
+}
+
+/// By how much each weight of a point may be off in the ray's space, at most.
+#[cold]
+fn edge_reach<'a>(
+    [a, b, c]: [DVec3; 3],
+    weights: [f64; 3],
+    extent: f64,
+    transforms: impl DoubleEndedIterator<Item = &'a DAffine3>,
+) -> DVec3 {
+    let mut edges = [b - a, c - a];
+    let mut point = a + edges[0] * weights[1] + edges[1] * weights[2];
+    let own = point.abs() * ROUNDING;
+    let of = |edges: [DVec3; 2], half| weight_error(edges, edges[0].cross(edges[1]), half);
+    let mut reach = of(edges, own * EDGE_ROUNDINGS + DVec3::splat(extent * EDGE_REACH));
+    for transform in transforms.rev() {
+        edges = edges.map(|e| transform.matrix3 * e);
+        point = transform.transform_point3(point);
+        reach += of(edges, point.abs() * ROUNDING * EDGE_ROUNDINGS);
     }
-    let clearance = if area > 0.0 { height / area * SECOND_ORDER } else { 0.0 };
-    SurfacePoint {
-        point: Point3(point.as_vec3()),
-        normal: Normal3(normal.normalize_or_zero().as_vec3()),
-        clearance: clearance as f32,
-    }
+    reach
+}
+
+/// As much as the largest component of [`weight_error`], or more: by lengths in place of products.
+#[inline]
+fn most_weight_error([e1, e2]: [DVec3; 2], normal: DVec3, half: DVec3) -> f64 {
+    let longest = e1.length_squared().max(e2.length_squared()).max((e2 - e1).length_squared());
+    (longest * half.length_squared() / normal.length_squared()).sqrt() * SECOND_ORDER
 }
 
 /// By how much each weight is off where a point is off by a box of these half-widths, at most.

@@ -64,7 +64,7 @@ impl ShearedRay {
         let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][axis];
         let along = |v: Vec3| {
             let v = v.to_array();
-            Vec3::from(axes.map(|axis: usize| v[axis]))
+            Vec3::new(v[axes[0]], v[axes[1]], v[axes[2]])
         };
         let (start, d_axes) = (along(o), along(d));
         let shear = Vec3::new(d_axes.x / d_axes.z, d_axes.y / d_axes.z, 1.0 / d_axes.z);
@@ -110,7 +110,8 @@ impl ShearedRay {
     #[inline]
     fn sheared(&self, p: Point3) -> (f32, f32, f32) {
         let p = p.0.to_array();
-        let q = Vec3::from(self.axes.map(|axis| p[axis])) - self.start;
+        let [x, y, z] = self.axes;
+        let q = Vec3::new(p[x], p[y], p[z]) - self.start;
         (q.x - self.shear.x * q.z, q.y - self.shear.y * q.z, q.z)
     }
 
@@ -119,7 +120,8 @@ impl ShearedRay {
     #[inline]
     pub fn plane_parameter(&self, triangle: [Point3; 3]) -> f32 {
         let (origin, direction) = (self.origin.as_dvec3(), self.direction.as_dvec3());
-        let [a, b, c] = triangle.map(|p| p.0.as_dvec3() - origin);
+        let [a, b, c] = triangle;
+        let (a, b, c) = (a.0.as_dvec3() - origin, b.0.as_dvec3() - origin, c.0.as_dvec3() - origin);
         let n = (b - a).cross(c - a);
         let kz = self.axes[2];
         let depth = |p: DVec3| p.to_array()[kz];

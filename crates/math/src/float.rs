@@ -18,14 +18,12 @@ pub const fn gamma(n: i32) -> f32 {
 pub fn offset_ray_origin(p: Point3, clearance: f32, n: Normal3, w: Vector3) -> Point3 {
     let offset = if w.dot_normal(n) < 0.0 { -clearance * n.0 } else { clearance * n.0 };
     let moved = p.0 + offset;
+    // One float on. Selections alone: signs are as good as random, and branches on them would be mispredicted.
     let away = |v: f32, o: f32| {
-        if o > 0.0 {
-            v.next_up()
-        } else if o < 0.0 {
-            v.next_down()
-        } else {
-            v
-        }
+        let step = if (o > 0.0) == (v > 0.0) { 1 } else { u32::MAX };
+        let next = f32::from_bits(v.to_bits().wrapping_add(step));
+        let next = if v == 0.0 { f32::from_bits(1).copysign(o) } else { next };
+        if o == 0.0 || !v.is_finite() { v } else { next }
     };
     Point3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
 }

@@ -4,6 +4,9 @@ mod pixel;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use glam::DVec3;
+use umber_math::Rgb;
+
 use crate::aov::{Accumulation, Aov};
 use crate::format::{BufferFormat, Pixel};
 
@@ -174,24 +177,26 @@ impl Film {
         pixels * (halves * size_of::<PixelSum>() + self.centers.len() * size_of::<[u32; 3]>())
     }
 
-    /// Mean over the pixels of the variance of a pixel's luminance, as the difference of its halves shows
-    /// it, relative to its squared luminance or, where that is more, to 1 % of the picture's mean. `None`
-    /// where the pixels have no two halves.
+    /// Mean over pixels and channels of the variance of a pixel, as the difference of its halves shows it,
+    /// relative to its square and that of 1 % of the picture's mean luminance together. `None` where the pixels
+    /// have no two halves.
     pub fn mean_relative_variance(&self) -> Option<f64> {
         let tiles = || (0..self.tiles.len()).map(|t| self.tile(t));
         if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(Vec::is_empty)) {
             return None;
         }
-        let halves = |tile: &Tile, i: usize| tile.sums(i).map(|half| half.luminance());
-        let over = |value: &dyn Fn([f64; 2]) -> f64| {
+        let over = |value: &dyn Fn([DVec3; 2]) -> f64| {
             let of_tile = |tile: MutexGuard<'_, Tile>| -> f64 {
-                (0..tile.rect.width * tile.rect.height).map(|i| value(halves(&tile, i))).sum()
+                let pixels = 0..tile.rect.width * tile.rect.height;
+                pixels.map(|i| value(tile.sums(i).map(|half| half.radiance()))).sum()
             };
             tiles().map(of_tile).sum::<f64>() / (self.desc.width * self.desc.height) as f64
         };
-        let mean = over(&|[a, b]| 0.5 * (a + b));
-        let floor = (0.01 * mean).powi(2).max(f64::MIN_POSITIVE);
-        Some(over(&|[a, b]| (0.5 * (a - b)).powi(2) / (0.5 * (a + b)).powi(2).max(floor)))
+        let floor = error_floor(over(&|[a, b]| luminance(0.5 * (a + b))));
+        Some(over(&|[a, b]| {
+            let (mean, off) = (0.5 * (a + b), 0.5 * (a - b));
+            (off * off / (mean * mean + floor)).dot(DVec3::splat(1.0 / 3.0))
+        }))
     }
 
     /// Writes an AOV into `out`: row after row from the lowest, `width · height` pixels of `format`.
@@ -234,10 +239,20 @@ impl Film {
     }
 }
 
+/// What is added to a squared mean before a variance is taken relative to it, where the picture's mean luminance is
+/// `mean`: dark pixels need not be as exact as their own darkness.
+pub(crate) fn error_floor(mean: f64) -> f64 {
+    (0.01 * mean).powi(2).max(f64::MIN_POSITIVE)
+}
+
+/// Luminance of linear Rec.709.
+pub(crate) fn luminance(radiance: DVec3) -> f64 {
+    f64::from(Rgb(radiance.as_vec3()).luminance())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umber_math::Rgb;
 
     #[test]
     fn mean_goes_over_the_clear_color() {
@@ -248,8 +263,8 @@ mod tests {
             let mut tile = film.tile(1);
             assert_eq!(tile.rect, TileRect { x: 16, y: 0, width: 4, height: 3 });
             tile.halves[0] = vec![PixelSum::default(); 12];
-            tile.halves[0][4].add(Rgb::new(1.0, 0.0, 0.0), 1.0);
-            tile.halves[0][4].add(Rgb::BLACK, 0.0);
+            tile.halves[0][4].add(Rgb::new(1.0, 0.0, 0.0), 1.0, 1);
+            tile.halves[0][4].add(Rgb::BLACK, 0.0, 1);
         }
         let mut out = vec![0u8; 20 * 3 * 16];
         assert!(film.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
@@ -267,7 +282,7 @@ mod tests {
             let mut tile = film.tile(0);
             tile.halves[0] = vec![PixelSum::default(); 256];
             for (x, y, v) in [(0, 0, 1.0), (8, 0, 2.0), (0, 8, 3.0), (8, 8, 4.0), (12, 8, 5.0)] {
-                tile.halves[0][y * 16 + x].add(Rgb::splat(v), 1.0);
+                tile.halves[0][y * 16 + x].add(Rgb::splat(v), 1.0, 1);
             }
         }
         let tile = film.tile(0);
@@ -279,10 +294,10 @@ mod tests {
     fn halves_count_the_same() {
         let mut halves = [PixelSum::default(); 2];
         assert_eq!(pixel::mean(halves), None);
-        halves[0].add(Rgb::splat(1.0), 1.0);
+        halves[0].add(Rgb::splat(1.0), 1.0, 1);
         assert_eq!(pixel::mean(halves), Some([1.0; 4]));
         for _ in 0..3 {
-            halves[1].add(Rgb::splat(2.0), 1.0);
+            halves[1].add(Rgb::splat(2.0), 1.0, 1);
         }
         assert_eq!(pixel::mean(halves), Some([1.5, 1.5, 1.5, 1.0]));
     }

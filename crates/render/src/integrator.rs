@@ -144,8 +144,10 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
                 if stop.cancelled() {
                     break 'halves;
                 }
-                let sample = sample(scene, film, sequence, [x, y], sum.samples, &mut work.rays);
-                sum.add(sample.radiance, sample.coverage);
+                let mut rays = 0;
+                let sample = sample(scene, film, sequence, [x, y], sum.samples, &mut rays);
+                sum.add(sample.radiance, sample.coverage, rays as u32);
+                work.rays += rays;
                 work.samples += 1;
             }
         }

@@ -85,10 +85,10 @@ impl LightSet {
     pub fn emitter_at(&self, hit: &Hit) -> Option<FoundEmitter> {
         self.emitters.find(hit)
     }
-    /// Chooses a light for a receiver: its index and the probability of the choice.
+    /// Chooses a light for a receiver: its index and the probability of the choice. See [`LightSampler::sample_with`].
     #[inline]
-    pub fn choose(&self, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
-        self.sampler.sample(receiver, u).map(|(index, pmf)| (index as u32, pmf))
+    pub fn choose(&self, receiver: &Receiver, u: impl FnOnce() -> f32) -> Option<(u32, f32)> {
+        self.sampler.sample_with(receiver, u).map(|(index, pmf)| (index as u32, pmf))
     }
     /// Probability with which [`choose`](Self::choose) takes a light.
     #[inline]

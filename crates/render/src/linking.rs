@@ -180,14 +180,15 @@ impl RenderScene {
         self.linking.as_ref().map_or(Links::default(), |linking| linking.links_at(hit))
     }
 
-    /// Chooses a light for a surface: its index and the probability of the choice.
+    /// Chooses a light for a surface: its index and the probability of the choice. `u` gives a number in [0, 1) where
+    /// there is a choice.
     #[inline]
-    pub fn choose_light(&self, links: Links, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+    pub fn choose_light(&self, links: Links, receiver: &Receiver, u: impl FnOnce() -> f32) -> Option<(u32, f32)> {
         let Some(linking) = &self.linking else { return self.lights.choose(receiver, u) };
         let Some(chooser) = linking.chooser(links) else {
             return self.lights.choose(receiver, u).filter(|(light, _)| linking.is_lit(links, *light));
         };
-        chooser.sampler.sample(receiver, u).map(|(position, pmf)| (chooser.lights[position], pmf))
+        chooser.sampler.sample_with(receiver, u).map(|(position, pmf)| (chooser.lights[position], pmf))
     }
 
     /// Probability with which [`choose_light`](Self::choose_light) takes a light.

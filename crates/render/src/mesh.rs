@@ -34,7 +34,8 @@ impl MeshShape {
     /// The corners of a triangle, object space.
     #[inline]
     pub fn triangle(&self, triangle: u32) -> [Point3; 3] {
-        self.mesh.triangles[triangle as usize].map(|i| Point3(self.points[i as usize]))
+        let [a, b, c] = self.mesh.triangles[triangle as usize];
+        [Point3(self.points[a as usize]), Point3(self.points[b as usize]), Point3(self.points[c as usize])]
     }
     /// Bytes it takes.
     pub fn memory_bytes(&self) -> usize {

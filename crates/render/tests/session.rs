@@ -74,7 +74,8 @@ fn compile_reuses_what_did_not_change() {
 /// Corners of faces are kept only where a primvar has values for them: one that comes later finds them too.
 #[test]
 fn a_primvar_by_corners_may_come_later() {
-    let colors = (0..24).map(|i| Vec3::new(i as f32 / 23.0, 0.5, 1.0 - i as f32 / 23.0)).collect();
+    // from corner to corner of each face
+    let colors = (0..24).map(|i| (i % 4) as f32 / 3.0).map(|x| Vec3::new(x, 0.5, 1.0 - x)).collect();
     let primvar = Primvar { interpolation: Interpolation::FaceVarying, values: PrimvarValues::Float3(colors) };
     let primvars: std::collections::BTreeMap<_, _> = [("displayColor".into(), Some(primvar))].into();
     let picture = |at_once: bool| {

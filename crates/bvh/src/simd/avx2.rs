@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::{Isa, compile_traversals, instances, triangles, vector::Vector, x86};
-use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search};
+use super::{Isa, compile_traversals, instances, triangles, vector::Vector, walk, x86};
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideTree};
 
 /// A register of AVX2, used with the bit instructions that come with it.
 #[derive(Clone, Copy)]

@@ -2,8 +2,8 @@
 
 use std::arch::aarch64::*;
 
-use super::{Isa, compile_traversals, instances, triangles, vector::Vector};
-use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search};
+use super::{Isa, compile_traversals, instances, triangles, vector::Vector, walk};
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideTree};
 
 /// Two registers of NEON.
 #[derive(Clone, Copy)]

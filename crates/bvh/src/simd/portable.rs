@@ -1,7 +1,7 @@
 //! Plain loops over eight floats, for any processor.
 
-use super::{Isa, compile_traversals, instances, triangles, vector::Vector};
-use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search};
+use super::{Isa, compile_traversals, instances, triangles, vector::Vector, walk};
+use crate::{instance::InstanceBvh, mesh::MeshBvh, ray::TraversalRay, search::Search, wide::WideTree};
 
 /// Eight floats that the compiler keeps where it will.
 #[derive(Clone, Copy)]

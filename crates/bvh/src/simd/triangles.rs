@@ -63,7 +63,8 @@ impl<S: Isa> MeshClosest<'_, S> {
     /// A hit with the barycentrics that the vector unit found.
     #[inline(always)]
     fn offer(&mut self, start: usize, count: usize, lane: usize, t: f32) {
-        let barycentrics = self.hits.barycentrics.map(|b| b.0[lane]);
+        let [u, v, w] = &self.hits.barycentrics;
+        let barycentrics = [u.0[lane], v.0[lane], w.0[lane]];
         self.search.offer(t, barycentrics, self.id, self.mesh.triangle_at(start, count, lane));
     }
 }

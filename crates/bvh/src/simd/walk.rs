@@ -2,7 +2,6 @@
 
 use super::{
     Isa, Lanes, kernel,
-    portable::Portable,
     stack::{Stack, prefetch},
 };
 use crate::{
@@ -133,12 +132,15 @@ struct Each<F> {
 }
 
 impl<F: FnMut(usize, f32) -> Option<f32>> Visitor for Each<F> {
+    #[inline(always)]
     fn first_read(&self, _: usize) -> *const u8 {
         std::ptr::null()
     }
+    #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
     }
+    #[inline(always)]
     unsafe fn visit(&mut self, start: usize, count: usize) -> bool {
         for slot in start..start + count {
             if let Some(limit) = (self.visit)(slot, self.limit) {
@@ -149,14 +151,17 @@ impl<F: FnMut(usize, f32) -> Option<f32>> Visitor for Each<F> {
     }
 }
 
-/// Calls `visit` with each primitive, by its place in the tree's order, whose box the ray meets up
-/// to the limit; nearer boxes first. What it gives becomes the limit, if smaller.
-pub(crate) fn walk_portable(
+/// See [`visit_boxes`](super::visit_boxes).
+///
+/// # Safety
+/// The processor has the unit `S`.
+#[inline(always)]
+pub(super) unsafe fn each<S: Isa, F: FnMut(usize, f32) -> Option<f32>>(
     tree: &WideTree,
     ray: &TraversalRay,
     limit: f32,
-    visit: impl FnMut(usize, f32) -> Option<f32>,
+    visit: F,
 ) {
-    // SAFETY: every processor has the portable unit.
-    unsafe { walk::<Portable, _, true>(tree, ray, &mut Each { visit, limit }) }
+    // SAFETY: the caller vouches for the unit.
+    unsafe { walk::<S, _, true>(tree, ray, &mut Each { visit, limit }) }
 }

@@ -123,6 +123,7 @@ pub fn params(light: &Light, kind: umber_shading::LightKind, render_from_light: 
         diffuse: light.diffuse,
         specular: light.specular,
         shadow_enable: light.shadow_enable,
+        shadow_linked: light.shadow_link.is_some(),
         camera_visible: light.camera_visible,
         shadow: shadow(&light.shadow),
         ..LightParams::new(kind)

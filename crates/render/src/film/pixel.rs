@@ -1,5 +1,7 @@
 //! What a pixel keeps: the sum of its samples, and what is seen through its middle.
 
+use glam::DVec3;
+
 use crate::aov::Aov;
 use crate::format::Pixel;
 
@@ -8,37 +10,46 @@ use crate::format::Pixel;
 pub(crate) struct PixelSum {
     /// Sum of radiance and coverage.
     pub color: [f32; 4],
-    /// Sum of squared luminance.
-    pub luminance_squared: f32,
+    /// Sum of squared radiance.
+    pub squares: [f32; 3],
     /// How many samples.
     pub samples: u32,
+    /// Rays that they took.
+    pub rays: u32,
 }
 
 impl PixelSum {
-    /// One sample.
+    /// One sample that took no rays.
     pub fn of(rgb: umber_math::Rgb, coverage: f32) -> Self {
         let mut sum = Self::default();
-        sum.add(rgb, coverage);
+        sum.add(rgb, coverage, 0);
         sum
     }
-    /// Adds a sample.
-    pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32) {
+    /// Adds a sample that took some rays.
+    pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32, rays: u32) {
         for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {
             *sum += v;
         }
-        let y = rgb.luminance();
-        self.luminance_squared += y * y;
+        for (sum, v) in self.squares.iter_mut().zip(rgb.0.to_array()) {
+            *sum += v * v;
+        }
         self.samples += 1;
+        self.rays = self.rays.saturating_add(rays);
     }
-    /// Mean luminance; 0 without samples.
-    pub fn luminance(&self) -> f64 {
-        let [r, g, b, _] = self.color;
-        f64::from(umber_math::Rgb::new(r, g, b).luminance()) / f64::from(self.samples.max(1))
+    /// Mean radiance, channel by channel; 0 without samples.
+    pub fn radiance(&self) -> DVec3 {
+        let [r, g, b, _] = self.color.map(f64::from);
+        DVec3::new(r, g, b) / f64::from(self.samples.max(1))
     }
-    /// Variance of one sample's luminance, as the samples show it.
-    pub fn luminance_variance(&self) -> f64 {
-        let (y, n) = (self.luminance(), f64::from(self.samples.max(1)));
-        (f64::from(self.luminance_squared) / n - y * y).max(0.0) * n / (n - 1.0).max(1.0)
+    /// Variance of one sample's radiance, channel by channel, as the samples show it.
+    pub fn variance(&self) -> DVec3 {
+        let (mean, n) = (self.radiance(), f64::from(self.samples.max(1)));
+        let squares = DVec3::from(self.squares.map(f64::from)) / n;
+        (squares - mean * mean).max(DVec3::ZERO) * (n / (n - 1.0).max(1.0))
+    }
+    /// What one sample costs, in rays that meet something: one that leaves the scene at once costs about a fourth.
+    pub fn cost(&self) -> f64 {
+        (f64::from(self.rays) / f64::from(self.samples.max(1)) - 0.75).max(0.25)
     }
     fn mean(&self) -> [f32; 4] {
         self.color.map(|c| c / self.samples as f32)

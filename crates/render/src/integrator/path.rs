@@ -74,7 +74,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         if bounce == scene.settings.max_bounces {
             break;
         }
-        let wo = -ray.direction.normalized();
+        let wo = -ray.direction;
         let bsdf = surface.bsdf(wo);
         if bsdf.is_black() {
             break;
@@ -82,8 +82,12 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         if bsdf.has_non_delta() {
             radiance += throughput * direct(scene, &surface, &bsdf, wo, bounce, sampler, rays);
         }
-        sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
-        let lobe = sampler.next_1d();
+        let lobe = if bsdf.chooses_lobe() {
+            sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
+            sampler.next_1d()
+        } else {
+            0.0
+        };
         sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeDirection));
         let Some(sample) = bsdf.sample(wo, lobe, sampler.next_2d()) else { break };
         throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
@@ -219,9 +223,11 @@ fn direct(
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Rgb {
-    sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
     let receiver = receiver(surface, wo);
-    let chosen = scene.choose_light(surface.links, &receiver, sampler.next_1d());
+    let chosen = scene.choose_light(surface.links, &receiver, || {
+        sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
+        sampler.next_1d()
+    });
     let Some((index, pmf)) = chosen else { return Rgb::BLACK };
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));

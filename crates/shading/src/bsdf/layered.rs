@@ -68,6 +68,10 @@ impl Layered {
     pub fn is_black(&self) -> bool {
         self.diffuse.is_black() && self.specular.is_none() && self.coat.is_none()
     }
+    /// How many lobes there are.
+    pub fn lobe_count(&self) -> usize {
+        usize::from(!self.diffuse.is_black()) + usize::from(self.specular.is_some()) + usize::from(self.coat.is_some())
+    }
     pub fn has_non_delta(&self) -> bool {
         !self.diffuse.is_black()
             || self.specular.is_some_and(|s| !s.is_delta())

@@ -143,33 +143,49 @@ impl Bsdf {
     /// Value and density together: costs half of asking for one after the other.
     #[inline]
     pub fn evaluate(&self, wo: Vector3, wi: Vector3) -> BsdfEval {
+        match &self.lobes.0 {
+            Kind::Lambert(albedo) => self.evaluate_lambert(*albedo, wo, wi),
+            Kind::Layered(layers) => self.evaluate_layered(layers, wo, wi),
+        }
+    }
+    #[inline]
+    fn evaluate_lambert(&self, albedo: Rgb, wo: Vector3, wi: Vector3) -> BsdfEval {
+        let Some(side) = self.side(wo) else { return BsdfEval::default() };
+        let cos_theta = wi.dot_normal(self.frame.normal) * side;
+        if !(wi.dot_normal(self.ng) * side > 0.0 && cos_theta > 0.0) || albedo.is_black() {
+            return BsdfEval::default();
+        }
+        let pdf_solid_angle = warp::cosine_hemisphere_pdf_solid_angle(cos_theta);
+        BsdfEval { diffuse: albedo * FRAC_1_PI, glossy: Rgb::BLACK, pdf_solid_angle }
+    }
+    fn evaluate_layered(&self, layers: &Layered, wo: Vector3, wi: Vector3) -> BsdfEval {
         let Some((side, wo_local)) = self.local_viewer(wo) else { return BsdfEval::default() };
         let wi_local = self.frame.to_local(wi) * side;
         if !(wi.dot_normal(self.ng) * side > 0.0 && wi_local.z() > 0.0) {
             return BsdfEval::default();
         }
+        layers.eval(wo_local, wi_local)
+    }
+    /// Whether there are lobes to choose among: else [`Bsdf::sample`] does not use its `u_lobe`.
+    #[inline]
+    pub fn chooses_lobe(&self) -> bool {
         match &self.lobes.0 {
-            Kind::Lambert(albedo) => BsdfEval {
-                diffuse: *albedo * FRAC_1_PI,
-                glossy: Rgb::BLACK,
-                pdf_solid_angle: if albedo.is_black() {
-                    0.0
-                } else {
-                    warp::cosine_hemisphere_pdf_solid_angle(wi_local.z())
-                },
-            },
-            Kind::Layered(layers) => layers.eval(wo_local, wi_local),
+            Kind::Lambert(_) => false,
+            Kind::Layered(layers) => layers.lobe_count() > 1,
         }
     }
     /// Chooses a lobe by `u_lobe` and a direction by `u`; `None` where the path ends (the direction falls below the surface).
     #[inline]
     pub fn sample(&self, wo: Vector3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let (side, wo_local) = self.local_viewer(wo)?;
-        let local = match &self.lobes.0 {
-            Kind::Lambert(albedo) => sample_lambert(*albedo, u)?,
-            Kind::Layered(layers) => layers.sample(wo_local, u_lobe, u)?,
+        let (side, local) = match &self.lobes.0 {
+            Kind::Lambert(albedo) => (self.side(wo)?, sample_lambert(*albedo, u)?),
+            Kind::Layered(layers) => {
+                let (side, wo_local) = self.local_viewer(wo)?;
+                (side, layers.sample(wo_local, u_lobe, u)?)
+            }
         };
-        let wi = self.frame.from_local(local.wi * side).normalized();
+        // unit but for rounding, as both are that it is made of
+        let wi = self.frame.from_local(local.wi * side);
         (wi.dot_normal(self.ng) * side > 0.0).then_some(BsdfSample {
             f: local.eval.f(),
             f_diffuse: local.eval.diffuse,
@@ -207,15 +223,17 @@ impl Bsdf {
             Kind::Layered(layers) => self.local_viewer(wo).map_or(Rgb::BLACK, |(_, wo)| layers.albedo(wo.z())),
         }
     }
+    /// On which side of the surface the viewer is, ±1. `None` for a viewer in the surface's plane, or NaN.
+    #[inline]
+    fn side(&self, wo: Vector3) -> Option<f32> {
+        let cos_g = wo.dot_normal(self.ng);
+        (cos_g.abs() > 0.0).then_some(1f32.copysign(cos_g))
+    }
     /// On which side of the surface the viewer is (±1; local vectors are mirrored through the origin for the back),
     /// and its local direction. `None` for a viewer in the surface's plane, or NaN.
     #[inline]
     fn local_viewer(&self, wo: Vector3) -> Option<(f32, Vector3)> {
-        let cos_g = wo.dot_normal(self.ng);
-        if cos_g == 0.0 || cos_g.is_nan() {
-            return None;
-        }
-        let side = 1f32.copysign(cos_g);
+        let side = self.side(wo)?;
         let local = self.frame.to_local(wo) * side;
         if local.z() >= LEAST_COS_O {
             return Some((side, local));

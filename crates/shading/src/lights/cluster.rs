@@ -126,7 +126,7 @@ impl Cluster {
         self.intensity * self.cone().measure() * area
     }
     /// Irradiance to expect at a receiver, relative; zero only where none of the light arrives.
-    #[inline]
+    #[inline(always)] // two are weighed at a time: each waits for its own square roots
     pub fn importance(&self, view: &View) -> f32 {
         let to_point = view.point - self.center;
         let radius_squared = self.radius_squared();

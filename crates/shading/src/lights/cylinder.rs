@@ -179,16 +179,8 @@ impl CylinderLight {
         let to_light = self.render_from_round * to_light_round;
         let distance = to_light.length();
         let turned = (distance / to_light_round.length()).powi(3) * self.volume_ratio;
-        let pdf_solid_angle = (turned / (2.0 * widest * stretch.sines)) as f32;
-        let sample = LightSample {
-            wi: Vector3((to_light / distance).as_vec3()),
-            radiance: self.emission.radiance,
-            pdf_solid_angle,
-            distance: distance as f32,
-            is_delta: false,
-        };
-        let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
-        (distance > 0.0 && is_usable).then_some(sample)
+        let density = turned / (2.0 * widest * stretch.sines);
+        LightSample::of_point(to_light, distance, density, self.emission.radiance)
     }
     /// A point of the line, in proportion to the irradiance that it gives a surface facing it: all give the same.
     fn sample_line(&self, across: &Across, u: f64) -> Option<LightSample> {

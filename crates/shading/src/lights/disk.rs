@@ -122,17 +122,8 @@ impl DiskLight {
             }
         };
         let distance = to_light.length();
-        let wi = to_light / distance;
-        let pdf_solid_angle = pdf.unwrap_or_else(|| self.area_density(distance, wi)) as f32;
-        let sample = LightSample {
-            wi: Vector3(wi.as_vec3()),
-            radiance: self.emission.radiance,
-            pdf_solid_angle,
-            distance: distance as f32,
-            is_delta: false,
-        };
-        let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
-        (distance > 0.0 && is_usable).then_some(sample)
+        let density = pdf.unwrap_or_else(|| self.area_density(distance, to_light / distance));
+        LightSample::of_point(to_light, distance, density, self.emission.radiance)
     }
     /// Density by solid angle of a point that is uniform by area.
     #[inline]

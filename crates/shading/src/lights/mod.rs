@@ -25,7 +25,7 @@ mod triangle;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
 use cluster::Cone;
@@ -58,6 +58,23 @@ pub struct LightSample {
     pub distance: f32,
     /// Whether no ray could find the direction by chance.
     pub is_delta: bool,
+}
+
+impl LightSample {
+    /// Of a point of a light that has a size. `to_light`: from the receiver, of the length `distance`; `density`: of its
+    /// direction. `None` where that is too large or too small to be divided by.
+    #[inline]
+    fn of_point(to_light: DVec3, distance: f64, density: f64, radiance: Rgb) -> Option<Self> {
+        let pdf_solid_angle = density as f32;
+        let is_usable = distance > 0.0 && pdf_solid_angle.is_normal() && (radiance / pdf_solid_angle).is_finite();
+        is_usable.then(|| Self {
+            wi: Vector3((to_light / distance).as_vec3()),
+            radiance,
+            pdf_solid_angle,
+            distance: distance as f32,
+            is_delta: false,
+        })
+    }
 }
 
 /// A ray's hit with a light's shape.
@@ -257,6 +274,13 @@ impl Light {
     pub fn found_by_samples_alone(&self) -> bool {
         let emission = self.emission();
         !emission.shadow_enable || emission.shadow.is_some()
+    }
+    /// Whether rays that follow the BSDF find it as well as any sample of it could: all around, and the same
+    /// everywhere. Then it is not chosen, and costs no shadow rays.
+    pub fn is_left_to_rays(&self) -> bool {
+        let is_plain = |dome: &DomeLight| !dome.has_texture() && dome.portals.is_none();
+        let shaped = self.emission().shadow_linked || self.found_by_samples_alone();
+        matches!(self, Self::Dome(dome) if is_plain(dome) && !shaped)
     }
     /// Whether the camera sees the light itself.
     #[inline]

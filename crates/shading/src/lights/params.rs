@@ -89,6 +89,8 @@ pub struct LightParams {
     pub specular: f32,
     /// Whether the light casts shadows.
     pub shadow_enable: bool,
+    /// Whether some things alone may cast shadows in its light.
+    pub shadow_linked: bool,
     /// Whether the camera sees the light itself.
     pub camera_visible: bool,
     /// What its emission is multiplied by, by direction.
@@ -112,6 +114,7 @@ impl LightParams {
             diffuse: 1.0,
             specular: 1.0,
             shadow_enable: true,
+            shadow_linked: false,
             camera_visible: true,
             shaping: ShapingParams::default(),
             shadow: ShadowParams::default(),
@@ -153,6 +156,7 @@ pub(crate) struct Emission {
     pub diffuse: f32,
     pub specular: f32,
     pub shadow_enable: bool,
+    pub shadow_linked: bool,
     pub camera_visible: bool,
     pub shaping: Option<Box<Shaping>>,
     pub shadow: Option<ShadowShape>,
@@ -187,10 +191,10 @@ impl Emission {
         }
         problems.dedup();
         let radiance = Rgb(radiance.as_vec3());
-        let (shadow_enable, camera_visible) = (p.shadow_enable, p.camera_visible);
+        let (shadow_enable, shadow_linked, camera_visible) = (p.shadow_enable, p.shadow_linked, p.camera_visible);
         let shadow = ShadowShape::new(&p.shadow, problems).filter(|_| shadow_enable);
         let shaping = Shaping::new(p, problems);
-        Self { radiance, diffuse, specular, shadow_enable, camera_visible, shaping, shadow }
+        Self { radiance, diffuse, specular, shadow_enable, shadow_linked, camera_visible, shaping, shadow }
     }
 }
 

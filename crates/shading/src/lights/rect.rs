@@ -12,7 +12,11 @@ use super::{LightHit, LightSample, LightTexture};
 
 /// Rectangles whose squared diagonal is less than this part of their squared distance are sampled by area: there the
 /// two hardly differ, and the solid angle costs more and loses its digits.
-const SMALL: f64 = 1.0 / 6.0;
+///
+/// Half leaves an error of 3 % more in a Cornell box than a sixth does, in 7 to 10 % less time.
+const SMALL: f64 = 0.5;
+/// More than rounding adds to a product of two numbers.
+const BEYOND: f64 = 1.0 + 1e-12;
 
 /// A rectangle that emits along −Z of light space; black seen from behind.
 ///
@@ -103,18 +107,9 @@ impl RectLight {
             None => self.sample_shape(&view, p, u),
         };
         let distance = to_light.length();
-        let wi = to_light / distance;
         let uv = self.texture.as_ref().map(|_| self.uv(p + to_light));
-        let pdf_solid_angle = self.density(&view, distance, wi, uv) as f32;
-        let sample = LightSample {
-            wi: Vector3(wi.as_vec3()),
-            radiance: self.radiance(uv),
-            pdf_solid_angle,
-            distance: distance as f32,
-            is_delta: false,
-        };
-        let is_usable = pdf_solid_angle.is_normal() && (sample.radiance / pdf_solid_angle).is_finite();
-        (distance > 0.0 && is_usable).then_some(sample)
+        let density = self.density(&view, distance, to_light / distance, uv);
+        LightSample::of_point(to_light, distance, density, self.radiance(uv))
     }
     /// To a point of the shape, uniform in solid angle or by area.
     #[inline]
@@ -178,7 +173,7 @@ impl RectLight {
     #[inline]
     fn coordinates(&self, point: DVec3) -> [f64; 2] {
         let at = point - self.corner;
-        self.duals.map(|dual| at.dot(dual))
+        [at.dot(self.duals[0]), at.dot(self.duals[1])]
     }
     /// The place of the texture that a point of the shape shows.
     #[inline]
@@ -189,8 +184,15 @@ impl RectLight {
     #[inline]
     pub(crate) fn intersect(&self, ray: &Ray) -> Option<LightHit> {
         let (o, d) = (ray.origin.0.as_dvec3(), ray.direction.0.as_dvec3());
+        let (height, fall) = ((self.corner - o).dot(self.normal), d.dot(self.normal));
+        // most rays go the other way, or end before its plane: these need no division
+        let (least, most) = (fall.abs() * f64::from(ray.t_min), fall.abs() * f64::from(ray.t_max) * BEYOND);
+        let along = if fall < 0.0 { -height } else { height };
+        if !(along >= least && along <= most) {
+            return None;
+        }
         let (t, uv) = self.meets(o, d)?;
-        let (t, is_front) = (t as f32, d.dot(self.normal) < 0.0);
+        let (t, is_front) = (t as f32, fall < 0.0);
         let radiance = if is_front { self.radiance(Some(uv)) } else { Rgb::BLACK };
         (t > ray.t_min && t < ray.t_max).then_some(LightHit { t, radiance, is_front })
     }

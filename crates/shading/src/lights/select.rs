@@ -15,7 +15,7 @@ const FEW: usize = 16;
 ///
 /// Finite lights by power over squared distance and by the cosines at both ends, where the light is in front of the
 /// receiver and the receiver in front of the light; distant and dome lights by their irradiance. Lights that emit
-/// nothing are never chosen.
+/// nothing are never chosen, nor are those that rays find as well ([`Light::is_left_to_rays`]).
 #[derive(Clone, Debug)]
 pub struct LightSampler {
     /// Light index and weight.
@@ -114,7 +114,7 @@ impl LightSampler {
         let (mut infinite, mut emitters, mut slots) = (Vec::new(), Vec::new(), Vec::new());
         for (index, light) in lights.iter().enumerate() {
             let (index, w) = (index as u32, weight(light) / brightest);
-            slots.push(if w == 0.0 || w.is_nan() {
+            slots.push(if w == 0.0 || w.is_nan() || light.is_left_to_rays() {
                 Slot::Dark
             } else if light.is_infinite() {
                 infinite.push((index, w.max(1e-30)));
@@ -141,9 +141,15 @@ impl LightSampler {
     pub fn is_empty(&self) -> bool {
         self.slots.iter().all(|s| matches!(s, Slot::Dark))
     }
-    /// A light's index and the probability of having chosen it; `None` where no light reaches the receiver.
+    /// A light's index and the probability of having chosen it; `None` where no light reaches the receiver. `u` in
+    /// [0, 1).
     #[inline]
     pub fn sample(&self, receiver: &Receiver, u: f32) -> Option<(usize, f32)> {
+        self.sample_with(receiver, || u)
+    }
+    /// As [`LightSampler::sample`], with a number that is asked for only where there is a choice.
+    #[inline]
+    pub fn sample_with(&self, receiver: &Receiver, u: impl FnOnce() -> f32) -> Option<(usize, f32)> {
         if let Some(only) = self.only {
             return Some((only as usize, 1.0));
         }
@@ -154,7 +160,7 @@ impl LightSampler {
         if total <= 0.0 {
             return None;
         }
-        let x = u * total;
+        let x = u() * total;
         if x >= finite || finite == 0.0 {
             let (index, weight) = self.infinite[pick(&self.infinite, x - finite, |i| i.1)?];
             return Some((index as usize, weight / total));
