@@ -136,7 +136,11 @@ def test_settings_that_are_words_reach_the_delegate(tmp_path: Path) -> None:
         np.testing.assert_allclose(hydra[channel].astype(np.float32), usd_core[channel].astype(np.float32), atol=1e-3)
     script = [sys.executable, HERE / "hydra_record.py", CORNELL, tmp_path / "none.exr", *FLAGS]
     done = subprocess.run(
-        [*script, "--set", "umber:integrator=sketch", *FEW_SAMPLES], capture_output=True, text=True, timeout=600, check=False
+        [*script, "--set", "umber:integrator=sketch", *FEW_SAMPLES],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
     )
     said = done.stdout + done.stderr
     for word in ("umber:integrator", "sketch", "path, direct, raster, mirror"):

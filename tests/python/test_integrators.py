@@ -76,7 +76,9 @@ def test_mirror_factor(faces: int) -> None:
         value = color[..., channel][both]
         is_factor, is_away = np.abs(value - factor[both]) <= 2e-3, np.abs(value - AWAY) <= 1e-6
         # where the factor is about zero its sign is a matter of rounding
-        assert np.where(factor[both] > 2e-3, is_factor, np.where(factor[both] < -2e-3, is_away, is_factor | is_away)).all()
+        assert np.where(
+            factor[both] > 2e-3, is_factor, np.where(factor[both] < -2e-3, is_away, is_factor | is_away)
+        ).all()
     assert not color[color[..., 3] == 0].any()
 
 
@@ -125,7 +127,10 @@ def test_rough_mirror_has_the_right_mean() -> None:
     assert abs(error.mean()) < 4 * deviation
     assert deviation < 2e-4
     # over each face: none is off
-    z = [error[:, face[inner] == f].mean() / (error.std() / np.sqrt(error[:, face[inner] == f].size)) for f in np.unique(face[inner])]
+    z = [
+        error[:, face[inner] == f].mean() / (error.std() / np.sqrt(error[:, face[inner] == f].size))
+        for f in np.unique(face[inner])
+    ]
     assert np.abs(z).max() < 4.5
     # and against the sampler: samples are no better spread than it can do, and no worse than independent ones
     assert error.std() < 1.05 * np.sqrt(np.mean([variance(c) for c in factor[inner][::500]]) / samples)
@@ -134,7 +139,7 @@ def test_rough_mirror_has_the_right_mean() -> None:
 def variance(cos: float) -> float:
     """Variance of one value, by independent samples."""
     random = np.random.default_rng(1)
-    direction = random.standard_normal((20000, 3)) + [0, 0, 1]
+    direction = random.standard_normal((20000, 3)) + np.array([0, 0, 1])
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     factor = direction @ [np.sqrt(1 - cos * cos), 0, cos]
     return float(np.where(factor > 0, factor, AWAY).var())
@@ -154,7 +159,9 @@ def test_rasterised_ids_of_the_chess_set_are_those_of_first_hits() -> None:
 
 
 @pytest.mark.parametrize("key", ["umber:integrator", "umber:rasterColor"])
-def test_a_word_that_is_no_choice_is_refused_by_name(key: str, capfd: pytest.CaptureFixture[str], umber: Callable[..., int]) -> None:
+def test_a_word_that_is_no_choice_is_refused_by_name(
+    key: str, capfd: pytest.CaptureFixture[str], umber: Callable[..., int]
+) -> None:
     """The error names key, value and the words that there are."""
     choices = next(row["choices"] for row in settings() if row["key"] == key)
     assert umber("none.usda", "out.png", "--set", f"{key}=sketch") == 2
