@@ -100,9 +100,7 @@ impl<'a> Drawer<'a> {
         let [[x0, x1], [y0, y1]] = boxed.pixels;
         if x0 == x1 && y0 == y1 && !placement.may_be_absent {
             let square = self.pencil.square_at([x0, y0]);
-            if square.hides([[x0, y0]; 2], boxed.most_nearness())
-                || draw_point(self.grid, boxed, placement.culled, square)
-            {
+            if draw_point(self.grid, boxed, placement.culled, square) {
                 return;
             }
         }

@@ -34,11 +34,6 @@ impl Boxed {
         let rows = grid.pixels_between(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y), grid.height);
         Self { corners, number, pixels: [columns, rows] }
     }
-    /// No less than its nearness anywhere.
-    #[inline]
-    pub fn most_nearness(&self) -> f32 {
-        most_nearness(&self.corners)
-    }
     /// Whether there are none.
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -84,7 +79,9 @@ impl Triangle {
     #[inline]
     pub fn fill(&self, grid: &Grid, square: &mut Square, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
         let range = square.part_of(self.pixels);
-        if square.hides(range, most_nearness(&self.corners)) {
+        // a small one is drawn sooner than it is looked for
+        let look = self.pixels[0][1] - self.pixels[0][0] >= NARROW;
+        if square.hides(range, most_nearness(&self.corners), look) {
             return;
         }
         square.touch(range);
@@ -149,6 +146,9 @@ struct Cover<'a> {
 #[inline]
 pub fn draw_point(grid: &Grid, boxed: &Boxed, culled: [bool; 2], square: &mut Square) -> bool {
     let [x, y] = [boxed.pixels[0][0], boxed.pixels[1][0]];
+    if square.nearness_at([x, y]) > most_nearness(&boxed.corners) {
+        return true;
+    }
     let (middle_x, middle_y) = (grid.center(x, grid.width), grid.center(y, grid.height));
     let [a, b, c] = boxed.corners.map(|v| [i64::from(v.x - middle_x), i64::from(v.y - middle_y)]);
     let area = |p: [i64; 2], q: [i64; 2]| p[0] * q[1] - p[1] * q[0];

@@ -96,13 +96,13 @@ impl Square {
     }
 
     /// Whether all pixels from one column and row to another, of the film, show what is nearer than `nearness`. False
-    /// also where one pixel of a block does not.
+    /// also where one pixel of a block does not and, without a `look` at the pixels, where that is not known.
     #[inline]
-    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32) -> bool {
+    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32, look: bool) -> bool {
         let [x0, y0, x1, y1] = self.blocks(range);
         for y in y0..y1 + 1 {
             for x in x0..x1 + 1 {
-                if !self.block_hides(y * BLOCKS + x, nearness) {
+                if !self.block_hides(y * BLOCKS + x, nearness, look) {
                     return false;
                 }
             }
@@ -111,11 +111,11 @@ impl Square {
     }
 
     #[inline]
-    fn block_hides(&mut self, block: usize, nearness: f32) -> bool {
+    fn block_hides(&mut self, block: usize, nearness: f32, look: bool) -> bool {
         if self.least[block] > nearness {
             return true;
         }
-        if self.stale >> block & 1 != 0 {
+        if look && self.stale >> block & 1 != 0 {
             self.find_least(block);
             return self.least[block] > nearness;
         }
@@ -140,6 +140,12 @@ impl Square {
     fn blocks(&self, [first, last]: [[i32; 2]; 2]) -> [usize; 4] {
         let of = |pixel: i32, axis: usize| (pixel - self.first[axis]) as usize / BLOCK;
         [of(first[0], 0), of(first[1], 1), of(last[0], 0), of(last[1], 1)]
+    }
+
+    /// Nearness of what a pixel of the film shows.
+    #[inline]
+    pub fn nearness_at(&self, [x, y]: [i32; 2]) -> f32 {
+        self.nearness[(y - self.first[1]) as usize * SQUARE + (x - self.first[0]) as usize]
     }
 
     /// Draws on a pixel of the film.
@@ -217,7 +223,7 @@ impl Pencil<'_> {
             for column in of(x0)..of(x1) + 1 {
                 let square = self.square(row * self.canvas.columns + column);
                 let range = square.part_of(reach.pixels);
-                if !square.hides(range, reach.nearness) {
+                if !square.hides(range, reach.nearness, true) {
                     return false;
                 }
             }
