@@ -79,12 +79,6 @@ impl Triangle {
     #[inline]
     pub fn fill(&self, grid: &Grid, square: &mut Square, is_there: Option<&dyn Fn([i32; 2]) -> bool>) {
         let range = square.part_of(self.pixels);
-        // a small one is drawn sooner than it is looked for
-        let look = self.pixels[0][1] - self.pixels[0][0] >= NARROW;
-        if square.hides(range, most_nearness(&self.corners), look) {
-            return;
-        }
-        square.touch(range);
         let [first, last] = range;
         let cover = Cover::new(grid, self, first, [last[0] - first[0] + 1, last[1] - first[1] + 1]);
         match is_there {
@@ -161,7 +155,6 @@ pub fn draw_point(grid: &Grid, boxed: &Boxed, culled: [bool; 2], square: &mut Sq
         let [a, b, c] = boxed.corners.map(|v| f64::from(v.nearness));
         let [of_a, of_b, of_c] = weights.map(|w| w as f64);
         let nearness = ((of_a * a + of_b * b + of_c * c) / (of_a + of_b + of_c)) as f32;
-        square.touch([[x, y]; 2]);
         square.draw_pixel([x, y], nearness, boxed.number);
     }
     true

@@ -9,10 +9,6 @@ use crate::film::TILE;
 
 /// Edge of a square, pixels; a multiple of the film's tiles'.
 pub const SQUARE: usize = 64;
-/// Blocks across a square.
-const BLOCKS: usize = 8;
-/// Edge of a block, pixels.
-const BLOCK: usize = SQUARE / BLOCKS;
 /// Number of no triangle.
 pub const NOTHING: u32 = 0;
 
@@ -36,9 +32,8 @@ impl Canvas {
         let square = |i: usize| {
             let first = [i % columns * SQUARE, i / columns * SQUARE].map(|v| v as i32);
             let size = [grid.width - first[0], grid.height - first[1]].map(|left| left.min(SQUARE as i32));
-            let least = [grid.far_nearness; BLOCKS * BLOCKS];
             let (nearness, numbers, earlier) = Default::default();
-            Mutex::new(Square { first, size, nearness, numbers, least, stale: 0, earlier })
+            Mutex::new(Square { first, size, nearness, numbers, earlier })
         };
         Self { grid, columns, squares: (0..columns * rows).map(square).collect() }
     }
@@ -67,10 +62,6 @@ pub struct Square {
     pub nearness: Vec<f32>,
     /// As `nearness`.
     pub numbers: Vec<u32>,
-    /// Least nearness in each block, or less: nearness only grows.
-    least: [f32; BLOCKS * BLOCKS],
-    /// Blocks that were drawn on since their least nearness was found, a bit each.
-    stale: u64,
     /// What was seen before the batch whose numbers those are; empty if that is the first.
     earlier: Vec<Option<Seen>>,
 }
@@ -85,61 +76,13 @@ impl Square {
         [[x0.max(first_x), y0.max(first_y)], [x1.min(last[0]), y1.min(last[1])]]
     }
 
-    /// Says that pixels from one column and row to another, of the film, were drawn on.
-    #[inline]
-    pub fn touch(&mut self, [first, last]: [[i32; 2]; 2]) {
-        let [x0, y0, x1, y1] = self.blocks([first, last]);
-        let columns = (2 << x1) - (1 << x0);
-        for y in y0..y1 + 1 {
-            self.stale |= columns << (y * BLOCKS);
-        }
-    }
-
-    /// Whether all pixels from one column and row to another, of the film, show what is nearer than `nearness`. False
-    /// also where one pixel of a block does not and, without a `look` at the pixels, where that is not known.
-    #[inline]
-    pub fn hides(&mut self, range: [[i32; 2]; 2], nearness: f32, look: bool) -> bool {
-        let [x0, y0, x1, y1] = self.blocks(range);
-        for y in y0..y1 + 1 {
-            for x in x0..x1 + 1 {
-                if !self.block_hides(y * BLOCKS + x, nearness, look) {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
-    #[inline]
-    fn block_hides(&mut self, block: usize, nearness: f32, look: bool) -> bool {
-        if self.least[block] > nearness {
-            return true;
-        }
-        if look && self.stale >> block & 1 != 0 {
-            self.find_least(block);
-            return self.least[block] > nearness;
-        }
-        false
-    }
-
-    fn find_least(&mut self, block: usize) {
-        self.stale &= !(1 << block);
-        let at = block / BLOCKS * BLOCK * SQUARE + block % BLOCKS * BLOCK;
-        let rows = self.nearness[at..].chunks(SQUARE).take(BLOCK);
-        let mut least = [f32::INFINITY; BLOCK];
-        for row in rows {
-            for (least, nearness) in least.iter_mut().zip(&row[..BLOCK]) {
-                *least = if *nearness < *least { *nearness } else { *least };
-            }
-        }
-        self.least[block] = least.into_iter().fold(f32::INFINITY, f32::min);
-    }
-
-    /// The blocks that hold pixels of the film: first and last column and row.
-    #[inline]
-    fn blocks(&self, [first, last]: [[i32; 2]; 2]) -> [usize; 4] {
-        let of = |pixel: i32, axis: usize| (pixel - self.first[axis]) as usize / BLOCK;
-        [of(first[0], 0), of(first[1], 1), of(last[0], 0), of(last[1], 1)]
+    /// Whether all pixels from one column and row to another, of the film, show what is nearer than `nearness`.
+    fn hides(&self, [first, last]: [[i32; 2]; 2], nearness: f32) -> bool {
+        let at = (first[1] - self.first[1]) as usize * SQUARE + (first[0] - self.first[0]) as usize;
+        let [columns, rows] = [0, 1].map(|axis| (last[axis] - first[axis] + 1) as usize);
+        // a whole row at once: several pixels in one operation
+        let row_hides = |row: &[f32]| row[..columns].iter().fold(true, |all, shown| all & (*shown > nearness));
+        self.nearness[at..].chunks(SQUARE).take(rows).all(row_hides)
     }
 
     /// Nearness of what a pixel of the film shows.
@@ -223,7 +166,7 @@ impl Pencil<'_> {
             for column in of(x0)..of(x1) + 1 {
                 let square = self.square(row * self.canvas.columns + column);
                 let range = square.part_of(reach.pixels);
-                if !square.hides(range, reach.nearness, true) {
+                if !square.hides(range, reach.nearness) {
                     return false;
                 }
             }
