@@ -278,14 +278,19 @@ impl Triangle<'_> {
     }
 
     /// Not of unit length; render space.
-    #[inline]
+    #[inline(always)]
     fn shading_normal(&self, barycentrics: [f32; 3]) -> Vec3 {
         let [a, b, c] = self.normals;
         let normal = a * barycentrics[0] + b * barycentrics[1] + c * barycentrics[2];
         // neither zero nor what is not a number
         let usable = normal.length_squared() > 0.0;
-        let normal = if usable { normal } else { face_normal(self.mesh.shape.triangle(self.index)) };
+        let normal = if usable { normal } else { self.face_normal() };
         self.placement.render_from_normal * normal
+    }
+
+    #[cold]
+    fn face_normal(&self) -> Vec3 {
+        face_normal(self.mesh.shape.triangle(self.index))
     }
 
     fn display_color(&self, barycentrics: [f32; 3]) -> Rgb {
