@@ -6,7 +6,9 @@
 mod boxes;
 mod far_and_small;
 mod mean_depth;
+mod roughness;
 mod self_intersection;
+mod slivers;
 mod watertight;
 
 /// Rays of each case: `default`, unless the environment says another number.

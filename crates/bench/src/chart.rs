@@ -7,9 +7,11 @@ use plotters::prelude::*;
 
 use crate::{measure::PEERS, report::Report};
 
+mod curves;
 mod efficiency;
 mod failures;
 
+pub use curves::curves;
 pub use efficiency::efficiency;
 pub use failures::failures;
 

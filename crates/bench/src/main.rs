@@ -77,6 +77,9 @@ struct StabilityArguments {
 struct EfficiencyArguments {
     /// The record.
     measured: PathBuf,
+    /// What the copy of the record and the charts are called.
+    #[arg(long, default_value = "efficiency")]
+    name: String,
     /// Folders for the record and its charts.
     #[arg(long, default_value = "target/bench")]
     out: Vec<PathBuf>,
@@ -106,10 +109,10 @@ fn efficiency(arguments: &EfficiencyArguments) -> Result<()> {
     for folder in &arguments.out {
         let named = || folder.display().to_string();
         fs::create_dir_all(folder).with_context(named)?;
-        fs::write(folder.join("efficiency.json"), &text).with_context(named)?;
+        fs::write(folder.join(&arguments.name).with_extension("json"), &text).with_context(named)?;
         for scene in &report.scenes {
-            let file = folder.join(format!("efficiency_{}.svg", scene.name));
-            chart::efficiency(scene, &report, &file).with_context(|| file.display().to_string())?;
+            let file = folder.join(format!("{}_{}.svg", arguments.name, scene.name));
+            chart::efficiency(scene, &file).with_context(|| file.display().to_string())?;
         }
     }
     Ok(())
@@ -121,10 +124,12 @@ fn failures(arguments: &StabilityArguments) -> Result<()> {
         commit: arguments.record.commit.clone(),
         command: format!("cargo xtask bench stability --rays {}", arguments.rays),
         figures: figures::all(arguments.rays),
+        curves: figures::over_roughness(arguments.rays),
     };
     for figure in &report.figures {
         println!("{}", figures::text(figure));
     }
+    println!("{}", figures::curves_text(&report.curves));
     for folder in &arguments.record.out {
         let named = || folder.display().to_string();
         fs::create_dir_all(folder).with_context(named)?;
@@ -133,6 +138,8 @@ fn failures(arguments: &StabilityArguments) -> Result<()> {
             let file = folder.join(figure.name).with_extension("svg");
             chart::failures(figure, &report, &file).with_context(|| file.display().to_string())?;
         }
+        let file = folder.join(report.curves.name).with_extension("svg");
+        chart::curves(&report.curves, &report, &file).with_context(|| file.display().to_string())?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde::{Deserialize, Serialize};
 
-use umber_bench::stability::figures::Figure;
+use umber_bench::stability::figures::{Curves, Figure};
 
 use crate::measure::{PEERS, SceneResult};
 
@@ -38,19 +38,13 @@ pub struct Failures {
     pub command: String,
     /// What was counted.
     pub figures: Vec<Figure>,
+    /// What was measured over roughness.
+    pub curves: Curves,
 }
 
-/// Error over time beside other path tracers, as `tests/accuracy/efficiency/measure.py` records it; what charts show.
+/// Error over time beside other path tracers, as `tests/accuracy/efficiency` records it; what charts show.
 #[derive(Debug, Deserialize)]
 pub struct Efficiency {
-    /// The processor, and its cores.
-    pub processor: String,
-    /// The commit.
-    pub commit: String,
-    /// What to call to measure again.
-    pub command: String,
-    /// Rounds that each figure is the median of.
-    pub rounds: u32,
     /// By scene.
     pub scenes: Vec<EfficiencyScene>,
 }
@@ -64,10 +58,20 @@ pub struct EfficiencyScene {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// What is taken for true.
+    pub reference: String,
     /// Umber's modes, then the peers.
     pub methods: Vec<Method>,
     /// Peers that took no part, and why.
     pub absent: Vec<String>,
+    /// The processor, and its cores.
+    pub processor: String,
+    /// The commit.
+    pub commit: String,
+    /// What to call to measure again.
+    pub command: String,
+    /// Rounds that each figure is the median of.
+    pub rounds: u32,
 }
 
 /// A renderer in one mode.
@@ -99,6 +103,8 @@ pub struct EfficiencyPoint {
     pub seconds: f64,
     /// relMSE, the reference's own noise taken off.
     pub error: f64,
+    /// Whether no other picture of the scene is both faster and more exact.
+    pub on_front: bool,
 }
 
 impl Report {

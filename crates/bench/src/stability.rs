@@ -13,8 +13,10 @@ pub mod figures;
 pub mod hits;
 pub mod placed;
 pub mod polygons;
+pub mod roughness;
 pub mod secondary;
 pub mod shapes;
+pub mod slivers;
 pub mod textbook;
 
 /// Sizes of what is met, in units.

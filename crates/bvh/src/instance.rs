@@ -102,13 +102,29 @@ impl Placed {
     }
 }
 
+/// Where a path leads: most lead through one level, which is then all there is to know.
+#[derive(Clone, Copy)]
+pub enum Placement<'a> {
+    /// To where it is in its own space.
+    AsItIs,
+    /// Through one instance.
+    Once {
+        /// From the instance's space.
+        exact: &'a DAffine3,
+        /// The same, in single precision.
+        rounded: &'a Transform,
+    },
+    /// Through several: see [`InstanceBvh::transforms`].
+    Nested,
+}
+
 /// A group of instances; the outermost one is the scene.
 #[derive(Clone)]
 pub struct InstanceBvh {
     tree: WideTree,
     instances: Vec<Instance>,
-    /// Each instance's transform with its inverse, rounded: what hits that end there need.
-    rounded: Vec<Transform>,
+    /// Each instance's transform with its inverse, rounded: what hits that end there need. `None`: the identity.
+    rounded: Vec<Option<Transform>>,
     /// In the tree's order.
     placed: Vec<Placed>,
     skipped: Vec<u32>,
@@ -142,7 +158,7 @@ impl InstanceBvh {
         let (tree, order) = WideTree::build(boxes.len(), 1, |i| Some(boxes[i as usize]));
         let mut by_index: Vec<Option<Placed>> = placed.into_iter().map(Some).collect();
         let placed = order.iter().filter_map(|&i| by_index[i as usize].take()).collect();
-        let rounded = |i: &Instance| Transform::from_affine(i.parent_from_child).unwrap_or_default();
+        let rounded = |i: &Instance| round(i.parent_from_child).unwrap_or_default();
         let rounded = instances.par_iter().with_min_len(256).map(rounded).collect();
         Self { tree, instances, rounded, placed, skipped, depth, built_cost: None }
     }
@@ -164,7 +180,7 @@ impl InstanceBvh {
             let instance = &instances[index as usize];
             if instance.parent_from_child != self.instances[index as usize].parent_from_child {
                 (moved.placed[slot], *bounds) = place(instance, index, &mut covers)?;
-                moved.rounded[index as usize] = Transform::from_affine(instance.parent_from_child)?;
+                moved.rounded[index as usize] = round(instance.parent_from_child)?;
                 moved.instances[index as usize] = instance.clone();
             }
         }
@@ -189,7 +205,7 @@ impl InstanceBvh {
         size_of::<Self>()
             + self.tree.memory_bytes()
             + self.instances.capacity() * size_of::<Instance>()
-            + self.rounded.capacity() * size_of::<Transform>()
+            + self.rounded.capacity() * size_of::<Option<Transform>>()
             + self.placed.capacity() * size_of::<Placed>()
             + self.skipped.capacity() * 4
     }
@@ -253,6 +269,16 @@ impl InstanceBvh {
         group.instances.get(*path.as_slice().get(level)? as usize)
     }
 
+    /// How a path places what it ends at.
+    #[inline]
+    pub fn placement(&self, path: &InstancePath) -> Placement<'_> {
+        let [only] = path.as_slice() else { return Placement::Nested };
+        match (self.rounded.get(*only as usize), self.instances.get(*only as usize)) {
+            (Some(Some(rounded)), Some(instance)) => Placement::Once { exact: &instance.parent_from_child, rounded },
+            _ => Placement::AsItIs,
+        }
+    }
+
     /// From the space of what the path ends at to this group's, which is render space for the
     /// outermost; composed in double precision.
     #[inline]
@@ -260,14 +286,14 @@ impl InstanceBvh {
         if let [only] = path.as_slice()
             && let Some(rounded) = self.rounded.get(*only as usize)
         {
-            return *rounded;
+            return rounded.unwrap_or_default();
         }
         Transform::from_affine(self.render_from_object_double(path)).unwrap_or_default()
     }
 
     /// The transforms along a path, outermost first, each from a child's space to its group's; as many as there are
     /// where the path leads nowhere.
-    #[inline(always)] // most paths have one level: then little is left of it
+    #[inline]
     pub fn transforms(&self, path: &InstancePath) -> impl DoubleEndedIterator<Item = &DAffine3> + Clone + use<'_> {
         let (mut transforms, mut count) = ([&DAffine3::IDENTITY; MAX_DEPTH], 0);
         let mut group = Some(self);
@@ -306,6 +332,11 @@ impl InstanceBvh {
     pub(crate) fn placed(&self, slot: usize) -> &Placed {
         &self.placed[slot]
     }
+}
+
+/// A transform with its inverse, rounded; `Some(None)` for the identity, `None` where it has no inverse.
+fn round(m: DAffine3) -> Option<Option<Transform>> {
+    if m == DAffine3::IDENTITY { Some(None) } else { Transform::from_affine(m).map(Some) }
 }
 
 /// An instance made ready, and its box. `None` where its transform can't be inverted.

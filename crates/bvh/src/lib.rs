@@ -21,7 +21,7 @@ mod simd;
 mod wide;
 
 pub use bounds_bvh::BoundsBvh;
-pub use instance::{Child, Instance, InstanceBvh};
+pub use instance::{Child, Instance, InstanceBvh, Placement};
 pub use mesh::MeshBvh;
 pub use path::{InstancePath, MAX_DEPTH};
 pub use search::Hit;

@@ -91,8 +91,9 @@ pub fn surface_point<'a>(
         edge_height *= volume;
         most_reach += most_weight_error(edges, normal, own * EDGE_ROUNDINGS);
     }
-    // Most points are far from all edges: these need no exact reach. Written so that NaN is near.
-    if !(weights[0].min(weights[1]).min(weights[2]) >= most_reach) {
+    // Most points are far from all edges: these need no exact reach. What is not a number is near.
+    let is_far = weights[0].min(weights[1]).min(weights[2]) >= most_reach;
+    if !is_far {
         let reach = edge_reach([a, b, c], weights, extent, transforms);
         if weights[0] < reach.x || weights[1] < reach.y || weights[2] < reach.z {
             height += edge_height;

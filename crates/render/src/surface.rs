@@ -1,6 +1,8 @@
 //! A surface where a ray met it.
 
-use umber_bvh::Hit;
+use std::iter;
+
+use umber_bvh::{Hit, Placement};
 use umber_geometry::{SurfacePoint, surface_point};
 use umber_math::{Frame, Normal3, Rgb, Vec2, Vec3, Vector3};
 use umber_shading::{Bsdf, Lobes};
@@ -30,12 +32,23 @@ impl SurfaceInteraction {
     /// Evaluates a hit.
     pub fn new(scene: &RenderScene, hit: &Hit) -> Self {
         let mesh = &scene.meshes[hit.mesh as usize];
-        let at = surface_point(mesh.shape.triangle(hit.triangle), hit.barycentrics, scene.top.transforms(&hit.path));
+        let (triangle, top) = (mesh.shape.triangle(hit.triangle), &scene.top);
+        let placement = top.placement(&hit.path);
+        let at = match placement {
+            Placement::AsItIs => surface_point(triangle, hit.barycentrics, iter::empty()),
+            Placement::Once { exact, .. } => surface_point(triangle, hit.barycentrics, iter::once(exact)),
+            Placement::Nested => surface_point(triangle, hit.barycentrics, top.transforms(&hit.path)),
+        };
         let geometric = at.normal;
         let shading = match &mesh.attributes.normals {
             Some(normals) => {
                 let n = Normal3(normals.eval(&mesh.shape.mesh, hit.triangle, hit.barycentrics));
-                let n = scene.top.render_from_object(&hit.path).normal(n).normalized();
+                let n = match placement {
+                    Placement::AsItIs => n,
+                    Placement::Once { rounded, .. } => rounded.normal(n),
+                    Placement::Nested => top.render_from_object(&hit.path).normal(n),
+                };
+                let n = n.normalized();
                 if n.0 == Vec3::ZERO { geometric } else { n.facing(geometric.as_vector()) }
             }
             None => geometric,

@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 
 mod chapter;
 mod efficiency;
+mod report;
 
 use crate::{process, render, workspace};
 
@@ -24,7 +25,9 @@ const STAGES: [(&str, &str); 2] = [
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`,
-    /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`, `chapter [--pictures N]`. See `rays --help`.
+    /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`, `report [--scene NAME ...] [--rounds N]
+    /// [--only scenes|parsimony|stability|document ...]`, `chapter [--pictures N]`. See `rays
+    /// --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }
@@ -39,21 +42,36 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if arguments.words.first().is_some_and(|what| what == "efficiency") {
         return efficiency::run(&arguments.words[1..], &folder);
     }
-    let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
+    if arguments.words.first().is_some_and(|what| what == "report") {
+        return report::run(&arguments.words[1..], &folder);
+    }
+    if arguments.words.first().is_some_and(|what| what == "stability") {
+        stability(&arguments.words[1..], &folder)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     if arguments.words.first().is_some_and(|what| what == "chapter") {
         return chapter::run(&arguments.words[1..], &folder);
     }
+    let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
     for (name, stage) in STAGES.into_iter().filter(|_| of_stages) {
         dump(&workspace::root().join("../shared/assets").join(stage), &folder.join(name).with_extension("tri"))?;
     }
-    let mut cargo = process::cargo();
-    cargo.args(["run", "--quiet", "--release", "--package", "umber-bench", "--"]).args(&arguments.words);
-    if of_stages {
-        cargo.arg("--dumps").arg(&folder);
-    }
-    cargo.arg("--out").arg(&folder).args(["--out", "docs/charts", "--commit", &commit()?]);
-    process::run(cargo.current_dir(workspace::root()))?;
+    let dumps = if of_stages { vec!["--dumps".into(), folder.display().to_string()] } else { Vec::new() };
+    measure(&[&arguments.words[..], &dumps].concat(), &folder)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Counts the failures of rays and samples, and draws their charts.
+fn stability(words: &[String], folder: &Path) -> Result<()> {
+    measure(&[&["stability".to_string()], words].concat(), folder)
+}
+
+/// Calls the benchmarks in Rust.
+fn measure(words: &[String], folder: &Path) -> Result<()> {
+    let mut cargo = process::cargo();
+    cargo.args(["run", "--quiet", "--release", "--package", "umber-bench", "--"]).args(words);
+    cargo.arg("--out").arg(folder).args(["--out", "docs/charts", "--commit", &commit()?]);
+    process::run(cargo.current_dir(workspace::root()))
 }
 
 /// Dumps the triangles of a stage, once.

@@ -1,4 +1,8 @@
-"""Mitsuba's side: see `side.py`. The scene is what the converter beside the project makes of the stage."""
+"""Mitsuba's side: see `side.py`.
+
+The scene is what the converter beside the project makes of the stage, and two things
+that it does not read: latlong textures of domes, and PointInstancers, as Mitsuba's own instances of shape groups.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +18,15 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from extended import Extended
 from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
 from side import BOUNCES, serve
 
 CONVERTER = Path(__file__).parents[4] / "shared/tools/mitsuba_reference.py"
 VARIANT = "llvm_ad_rgb"
+# Where there are many instances: Dr.Jit compiles something for each of them, and takes minutes.
+VARIANT_OF_INSTANCES = "scalar_rgb"
 # What Dr.Jit needs of LLVM to know today's processors.
 LEAST_LLVM = 15
 
@@ -43,11 +51,19 @@ def converter() -> ModuleType:
     return module
 
 
+def variant_of(file: str) -> str:
+    """The one that is fast for the stage."""
+    stage = Usd.Stage.Open(file)
+    instanced = any(prim.IsA(UsdGeom.PointInstancer) for prim in stage.Traverse())
+    return VARIANT_OF_INSTANCES if instanced else VARIANT
+
+
 def main() -> None:
     """Serves."""
     find_llvm()
     tool = converter()
     file, width, height = sys.argv[1:]
+    variant = variant_of(file)
 
     def timed(scene: Any, _: object, __: object) -> None:  # noqa: ANN401
         def take(request: dict[str, Any]) -> tuple[NDArray[Any], dict[str, float]]:
@@ -55,14 +71,17 @@ def main() -> None:
             picture = np.array(tool.mi.render(scene, spp=request["samples"], seed=request["seed"]))
             return picture[..., :3], {"seconds": time.perf_counter() - started, "samples": request["samples"]}
 
-        serve(f"Mitsuba {tool.mi.__version__} {VARIANT}", take)
+        serve(f"Mitsuba {tool.mi.__version__} {variant}", take)
 
+    # what it asks of Mitsuba goes through ours, which adds what it does not read
+    extended = Extended(tool)
+    vars(tool)["mi"], vars(tool)["light_of"] = extended, extended.light_of
     # the converter hands the scene that it made to its timer
     vars(tool)["timed"] = timed
     with tempfile.TemporaryDirectory() as folder:
         unused = str(Path(folder) / "unused.npy")
         np.save(unused, np.zeros((1, 1, 3)))
-        words = ["--size", width, height, "--depth", str(BOUNCES + 1), "--variant", VARIANT, "--time", "1"]
+        words = ["--size", width, height, "--depth", str(BOUNCES + 1), "--variant", variant, "--time", "1"]
         sys.argv = ["mitsuba_reference", file, unused, *words]
         tool.main()
 

@@ -6,14 +6,14 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::failures::power;
 use super::*;
-use crate::report::{Efficiency, EfficiencyScene, Method};
+use crate::report::{EfficiencyScene, Method};
 
 /// Pixels: width, height of the head without the legend, of a line of it, of the plane and of the foot.
 const WIDTH: u32 = 760;
 const HEAD: u32 = 44;
 const LINE: u32 = 18;
 const HEIGHT: u32 = 420;
-const FOOT: u32 = 58;
+const FOOT: u32 = 84;
 /// Beside the peers': Umber's modes, then every peer; apart in lightness too.
 const METHODS: [RGBColor; 6] = [
     RGBColor(0, 90, 156),
@@ -23,15 +23,17 @@ const METHODS: [RGBColor; 6] = [
     RGBColor(240, 168, 60),
     RGBColor(120, 120, 116),
 ];
+/// Pixels: radius of the ring around a picture on the front.
+const RING: i32 = 8;
 /// Of them, Umber's.
 const OWN: usize = 3;
 
-/// Error over seconds of rendering, a line a method.
+/// Error over seconds of rendering, a line a method. Ringed: what no other picture is both faster and more exact than.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn efficiency(scene: &EfficiencyScene, report: &Efficiency, file: &Path) -> Result<()> {
-    let head = HEAD + LINE * scene.methods.len() as u32;
+pub fn efficiency(scene: &EfficiencyScene, file: &Path) -> Result<()> {
+    let head = HEAD + LINE * (scene.methods.len() as u32 + 1);
     let root = SVGBackend::new(file, (WIDTH, head + HEIGHT + FOOT)).into_drawing_area();
     root.fill(&PANEL).map_err(failed)?;
     let (top, rest) = root.split_vertically(head);
@@ -39,18 +41,27 @@ pub fn efficiency(scene: &EfficiencyScene, report: &Efficiency, file: &Path) -> 
     let title = format!("{}, {} × {}: error over time", scene.name, scene.width, scene.height);
     top.draw(&Text::new(title, (16, 12), font(20))).map_err(failed)?;
     let colors = colors(&scene.methods);
+    let row = |i: usize| (HEAD + LINE * i as u32) as i32 + 6;
     for (i, (method, color)) in scene.methods.iter().zip(&colors).enumerate() {
-        let y = (HEAD + LINE * i as u32) as i32 + 6;
+        let y = row(i);
         top.draw(&PathElement::new([(16, y), (40, y)], color.stroke_width(3))).map_err(failed)?;
         top.draw(&Circle::new((28, y), 4, color.filled())).map_err(failed)?;
         top.draw(&Text::new(about(method), (48, y - 6), font(13))).map_err(failed)?;
     }
+    let y = row(scene.methods.len());
+    top.draw(&Circle::new((28, y), RING, INK.stroke_width(1))).map_err(failed)?;
+    let front = "the Pareto front: no other picture against the same reference is both faster and more exact";
+    top.draw(&Text::new(front, (48, y - 6), font(13))).map_err(failed)?;
     draw(scene, &colors, &plane)?;
     let absent: String = scene.absent.iter().map(|peer| format!("; {peer}")).collect();
-    let rounds = report.rounds;
-    let machine = format!("{}; commit {}; median of {rounds} rounds in turn{absent}", report.processor, report.commit);
-    bottom.draw(&Text::new(machine, (16, 8), font(12))).map_err(failed)?;
-    bottom.draw(&Text::new(report.command.clone(), (16, 30), font(12))).map_err(failed)?;
+    let lines = [
+        format!("against: {}{absent}", scene.reference),
+        format!("{}; commit {}; median of {} rounds in turn", scene.processor, scene.commit, scene.rounds),
+        scene.command.clone(),
+    ];
+    for (line, y) in lines.into_iter().zip([8, 30, 52]) {
+        bottom.draw(&Text::new(line, (16, y), font(12))).map_err(failed)?;
+    }
     root.present().map_err(failed)
 }
 
@@ -64,6 +75,9 @@ fn about(method: &Method) -> String {
     let reference = if method.own_reference { ", against its own reference" } else { "" };
     let start = format!("first picture of 64 samples after {:.1} s from the start", method.from_start_seconds);
     let name = if method.is_own() { &method.name } else { &method.about };
+    if method.points.is_empty() {
+        return format!("{name}: no picture within the time");
+    }
     format!("{name}{reference}; {start}")
 }
 
@@ -88,7 +102,9 @@ fn draw(scene: &EfficiencyScene, colors: &[RGBColor], area: &Area<'_>) -> Result
     for (method, color) in scene.methods.iter().zip(colors).rev() {
         let line: Vec<_> = method.points.iter().map(|p| (p.seconds.log10(), p.error.log10())).collect();
         chart.draw_series([PathElement::new(line.clone(), color.stroke_width(2))]).map_err(failed)?;
-        chart.draw_series(line.into_iter().map(|at| Circle::new(at, 4, color.filled()))).map_err(failed)?;
+        chart.draw_series(line.iter().map(|at| Circle::new(*at, 4, color.filled()))).map_err(failed)?;
+        let best = method.points.iter().zip(line).filter(|(p, _)| p.on_front);
+        chart.draw_series(best.map(|(_, at)| Circle::new(at, RING, INK.stroke_width(1)))).map_err(failed)?;
     }
     let range = area.get_pixel_range();
     let at = |point: (f64, f64)| {
@@ -106,14 +122,15 @@ fn draw(scene: &EfficiencyScene, colors: &[RGBColor], area: &Area<'_>) -> Result
         area.draw(&Text::new(text, (px - 8, py), beside.clone())).map_err(failed)?;
     }
     let (center, _) = at(((x.start + x.end) / 2.0, y.start));
-    area.draw(&Text::new("seconds of rendering", (center, bottom + 26), below)).map_err(failed)?;
+    area.draw(&Text::new("seconds of rendering (wall time, all cores)", (center, bottom + 26), below))
+        .map_err(failed)?;
     let (_, center) = at((x.start, (y.start + y.end) / 2.0));
     let turned = font(12).transform(FontTransform::Rotate270).pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw(&Text::new("error (relMSE)", (10, center), turned)).map_err(failed)
+    area.draw(&Text::new("error (relMSE, no unit)", (10, center), turned)).map_err(failed)
 }
 
 /// What logarithms of positive values span, with some room.
-fn decades(values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
+pub(super) fn decades(values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
     let logs: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10).collect();
     let lowest = logs.iter().copied().fold(f64::MAX, f64::min);
     let highest = logs.iter().copied().fold(f64::MIN, f64::max);
@@ -121,7 +138,7 @@ fn decades(values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
 }
 
 /// Powers of ten in a range of logarithms, by their names; twos and fives too where there are few.
-fn ticks(range: &Range<f64>) -> Vec<(f64, String)> {
+pub(super) fn ticks(range: &Range<f64>) -> Vec<(f64, String)> {
     let whole = || range.start.floor() as i32..=range.end.ceil() as i32;
     let inside = |at: &(f64, String)| range.contains(&at.0);
     let powers: Vec<_> = whole().map(|e| (f64::from(e), power(e))).filter(inside).collect();

@@ -8,8 +8,10 @@ use super::{
     closed::{self, Inside},
     hits, offset,
     placed::{Placed, placements},
+    roughness::{self, White},
     secondary,
     shapes::icosphere,
+    slivers,
 };
 
 /// Failures of rays.
@@ -80,7 +82,21 @@ const DISTANCE: &str = "distance from the origin, units";
 
 /// All charts, from `rays` rays at each point.
 pub fn all(rays: usize) -> Vec<Figure> {
-    vec![missed_hits(rays), secondary_rays(rays), box_tests(rays)]
+    vec![missed_hits(rays), slivers(rays), secondary_rays(rays), box_tests(rays)]
+}
+
+fn slivers(rays: usize) -> Figure {
+    let names = ["Umber", "Möller–Trumbore, epsilon 10⁻⁶"];
+    let title = "aimed inside of triangles one unit long, ten units away".to_string();
+    let single = panel(title, "length over height (no unit)", names, decades(0, 6), |x| {
+        let c = slivers::at(x, rays);
+        [(c.missed, c.rays), (c.textbook_missed, c.rays)]
+    });
+    let title = "from inside of a closed sphere, flattened, at its edges and vertices: leaks".to_string();
+    let closed = panel(title, "width over height (no unit)", names, decades(0, 6), |x| {
+        slivers::closed(x, rays / 4).map(|c| (c.leaks, c.rays))
+    });
+    Figure { name: "stability_slivers", title: "Slivers", panels: vec![single, closed] }
 }
 
 fn missed_hits(rays: usize) -> Figure {
@@ -128,6 +144,91 @@ fn box_tests(rays: usize) -> Figure {
         [(c.lost, c.hits), (c.textbook_lost, c.hits)]
     });
     Figure { name: "stability_boxes", title: "Box tests", panels: vec![distances] }
+}
+
+/// A quantity over another.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curve {
+    /// What it is of.
+    pub name: String,
+    /// Both quantities.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Curves in one plane; the upright axis is logarithmic.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plane {
+    /// What is shown.
+    pub title: &'static str,
+    /// The quantity across, with its unit.
+    pub x: &'static str,
+    /// The upright quantity, with its unit.
+    pub y: &'static str,
+    /// What is shown for less.
+    pub least: f64,
+    /// Umber's first.
+    pub curves: Vec<Curve>,
+}
+
+/// One chart of curves.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curves {
+    /// Name of its file, without an ending.
+    pub name: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// Side by side.
+    pub planes: Vec<Plane>,
+}
+
+/// `umber:fireflyClamp` of the chart, radiance: about ten times what the floor has on average.
+pub const CLAMP: f32 = 10.0;
+const ROUGHNESSES: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1.0];
+
+/// Energy and bright specks over roughness, from about `samples` samples at each point.
+pub fn over_roughness(samples: usize) -> Curves {
+    let over = |name: &str, of: &dyn Fn(f32) -> f64| Curve {
+        name: name.into(),
+        points: ROUGHNESSES.iter().map(|&r| [r, of(r as f32)]).collect(),
+    };
+    let energy = [(White::Plastic, "white plastic"), (White::Metal, "white metal: one scattering is followed")];
+    let energy = energy.map(|(kind, name)| over(name, &|r| roughness::energy_error(kind, r, samples as u32 / 2)));
+    let seeds = (samples / (1 << 14)).clamp(1, 64) as u32;
+    let [free, clamped] = [0.0, CLAMP].map(|c| ROUGHNESSES.map(|r| roughness::caustic(r as f32, c, seeds)));
+    let curve = |name: String, of: &dyn Fn(usize) -> f64| Curve {
+        name,
+        points: (0..ROUGHNESSES.len()).map(|i| [ROUGHNESSES[i], of(i)]).collect(),
+    };
+    let clamp_name = format!("umber:fireflyClamp = {CLAMP}, biased");
+    let largest = vec![
+        curve("Umber as it comes, without a clamp".into(), &|i| free[i].largest / free[i].mean),
+        curve(clamp_name.clone(), &|i| clamped[i].largest / free[i].mean),
+    ];
+    let lost = vec![curve(clamp_name, &|i| 1.0 - clamped[i].mean / free[i].mean)];
+    let x = "roughness (no unit)";
+    let plane = |title, y, least, curves| Plane { title, x, y, least, curves };
+    Curves {
+        name: "stability_roughness",
+        title: "From mirror to matt",
+        planes: vec![
+            plane("a white surface in a white room", "energy lost or won (part)", 1e-5, energy.into()),
+            plane("a floor beside a metal sphere under a small lamp", "largest sample over the mean", 1.0, largest),
+            plane("the same floor: what the clamp takes away", "light lost (part)", 1e-5, lost),
+        ],
+    }
+}
+
+/// One line a point of curves.
+pub fn curves_text(curves: &Curves) -> String {
+    let mut lines = vec![curves.title.to_string()];
+    for plane in &curves.planes {
+        lines.push(format!("  {}: {}", plane.title, plane.y));
+        for curve in &plane.curves {
+            let points = curve.points.iter().map(|[x, y]| format!("{x}: {y:.3e}")).collect::<Vec<_>>();
+            lines.push(format!("    {}: {}", curve.name, points.join(", ")));
+        }
+    }
+    lines.join("\n")
 }
 
 /// One line a point: where, and how many failed by each method.

@@ -1,6 +1,9 @@
 //! `cargo xtask bench efficiency`: error over time, beside Mitsuba 3 and Cycles where they can be had.
 
-use std::{path::Path, process::ExitCode};
+use std::{
+    path::Path,
+    process::{Command, ExitCode},
+};
 
 use anyhow::Result;
 
@@ -19,6 +22,17 @@ pub fn run(words: &[String], folder: &Path) -> Result<ExitCode> {
     let commit = commit()?;
     let mut measure = render::usd_core_venv()?.command();
     measure.arg("tests/accuracy/efficiency/measure.py").arg(&record).args(words).args(["--commit", &commit]);
+    add_peers(&mut measure)?;
+    process::run(measure.current_dir(workspace::root()))?;
+    draw("efficiency", &record, folder)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Names the interpreters of the peers that can be had.
+///
+/// # Errors
+/// There is no place for a cache.
+pub fn add_peers(measure: &mut Command) -> Result<()> {
     // A peer that cannot be had takes no part; the measure says so.
     match Venv::in_target("mitsuba", &PYTHONS, "tests/accuracy/efficiency/requirements.txt") {
         Ok(mitsuba) => _ = measure.arg("--mitsuba").arg(mitsuba.python()),
@@ -27,10 +41,16 @@ pub fn run(words: &[String], folder: &Path) -> Result<ExitCode> {
     if let Some(sdk) = Sdk::newest()? {
         measure.arg("--cycles").arg(sdk.venv().python());
     }
-    process::run(measure.current_dir(workspace::root()))?;
+    Ok(())
+}
+
+/// Draws the charts of a record under a name, into the folder and docs/charts.
+///
+/// # Errors
+/// The record cannot be read, or a chart not be written.
+pub fn draw(name: &str, record: &Path, folder: &Path) -> Result<()> {
     let mut cargo = process::cargo();
     cargo.args(["run", "--quiet", "--release", "--package", "umber-bench", "--", "efficiency"]).arg(record);
-    cargo.arg("--out").arg(folder).args(["--out", "docs/charts"]);
-    process::run(cargo.current_dir(workspace::root()))?;
-    Ok(ExitCode::SUCCESS)
+    cargo.args(["--name", name, "--out"]).arg(folder).args(["--out", "docs/charts"]);
+    process::run(cargo.current_dir(workspace::root()))
 }
