@@ -193,7 +193,7 @@ umber::CullStyle HdUmberCullStyle(HdCullStyle style)
 
 bool HdUmberReadValue(VtValue const &value, umber::Value *out)
 {
-    *out = {umber::ValueKind::Float, false, 0, 0.0};
+    *out = {umber::ValueKind::Float, false, 0, 0.0, rust::String()};
     if (value.IsHolding<bool>()) {
         out->kind = umber::ValueKind::Bool;
         out->bool_value = value.UncheckedGet<bool>();
@@ -201,6 +201,12 @@ bool HdUmberReadValue(VtValue const &value, umber::Value *out)
         out->float_value = value.UncheckedGet<float>();
     } else if (value.IsHolding<double>()) {
         out->float_value = value.UncheckedGet<double>();
+    } else if (value.IsHolding<std::string>()) {
+        out->kind = umber::ValueKind::Text;
+        out->text_value = rust::String::lossy(value.UncheckedGet<std::string>());
+    } else if (value.IsHolding<TfToken>()) {
+        out->kind = umber::ValueKind::Text;
+        out->text_value = rust::String::lossy(value.UncheckedGet<TfToken>().GetString());
     } else {
         VtValue const integer = VtValue::Cast<int64_t>(value);
         out->kind = umber::ValueKind::Int;
@@ -215,6 +221,7 @@ VtValue HdUmberSettingValue(umber::Value const &value)
     switch (value.kind) {
         case umber::ValueKind::Bool: return VtValue(value.bool_value);
         case umber::ValueKind::Int: return VtValue(int(value.int_value));
+        case umber::ValueKind::Text: return VtValue(std::string(value.text_value));
         default: return VtValue(float(value.float_value));
     }
 }
@@ -224,6 +231,7 @@ VtValue HdUmberStatValue(umber::Value const &value)
     switch (value.kind) {
         case umber::ValueKind::Bool: return VtValue(value.bool_value);
         case umber::ValueKind::Int: return VtValue(int64_t(value.int_value));
+        case umber::ValueKind::Text: return VtValue(std::string(value.text_value));
         default: return VtValue(value.float_value);
     }
 }

@@ -124,3 +124,24 @@ def test_blender_renders(tmp_path: Path) -> None:
     left, right = picture[:, :24].mean(axis=(0, 1)), picture[:, -24:].mean(axis=(0, 1))
     assert left[0] > 2 * left[1]
     assert right[1] > 1.5 * right[0]
+
+
+def test_settings_that_are_words_reach_the_delegate(tmp_path: Path) -> None:
+    """The rasteriser shows the same through both hosts; a word that is no choice is named, with those that are."""
+    flags = ["--set", "umber:integrator=raster", "--set", "umber:rasterColor=shaded", "--aovs", "color,primId"]
+    usd_core = read_exr(through_usd_core(tmp_path / "usd_core.exr", *flags))
+    hydra = read_exr(through_hydra(tmp_path / "hydra.exr", *flags))
+    assert usd_core["R"].any()
+    for channel in "RGBA":
+        np.testing.assert_allclose(hydra[channel].astype(np.float32), usd_core[channel].astype(np.float32), atol=1e-3)
+    script = [sys.executable, HERE / "hydra_record.py", CORNELL, tmp_path / "none.exr", *FLAGS]
+    done = subprocess.run(
+        [*script, "--set", "umber:integrator=sketch", *FEW_SAMPLES],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    said = done.stdout + done.stderr
+    for word in ("umber:integrator", "sketch", "path, direct, raster, mirror"):
+        assert word in said, said

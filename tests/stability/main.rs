@@ -5,6 +5,7 @@
 
 mod boxes;
 mod far_and_small;
+mod mean_depth;
 mod roughness;
 mod self_intersection;
 mod slivers;

@@ -12,6 +12,7 @@ pub mod closed;
 pub mod figures;
 pub mod hits;
 pub mod placed;
+pub mod polygons;
 pub mod roughness;
 pub mod secondary;
 pub mod shapes;

@@ -19,15 +19,17 @@ pub mod ffi {
         Bool,
         Int,
         Float,
+        Text,
     }
 
     /// A setting's or a figure's value.
-    #[derive(Debug, Clone, Copy)]
+    #[derive(Debug, Clone)]
     struct Value {
         kind: ValueKind,
         bool_value: bool,
         int_value: i64,
         float_value: f64,
+        text_value: String,
     }
 
     /// A value with its name, and the name that a user reads.

@@ -39,11 +39,13 @@ pub fn aov_rows() -> Outcome<Vec<ffi::AovDescription>> {
 }
 
 fn named(name: &str, label: &str, value: &Value) -> ffi::NamedValue {
-    let mut out = ffi::Value { kind: ffi::ValueKind::Bool, bool_value: false, int_value: 0, float_value: 0.0 };
-    match *value {
-        Value::Bool(v) => out.bool_value = v,
-        Value::Int(v) => (out.kind, out.int_value) = (ffi::ValueKind::Int, v),
-        Value::Float(v) => (out.kind, out.float_value) = (ffi::ValueKind::Float, v),
+    let kind = ffi::ValueKind::Bool;
+    let mut out = ffi::Value { kind, bool_value: false, int_value: 0, float_value: 0.0, text_value: String::new() };
+    match value {
+        Value::Bool(v) => out.bool_value = *v,
+        Value::Int(v) => (out.kind, out.int_value) = (ffi::ValueKind::Int, *v),
+        Value::Float(v) => (out.kind, out.float_value) = (ffi::ValueKind::Float, *v),
+        Value::Text(v) => (out.kind, out.text_value) = (ffi::ValueKind::Text, v.clone()),
     }
     ffi::NamedValue { name: name.to_owned(), label: label.to_owned(), value: out }
 }
@@ -61,6 +63,7 @@ impl Delegate {
         let value = match value.kind {
             ffi::ValueKind::Bool => Value::Bool(value.bool_value),
             ffi::ValueKind::Int => Value::Int(value.int_value),
+            ffi::ValueKind::Text => Value::Text(value.text_value.clone()),
             _ => Value::Float(value.float_value),
         };
         guard_refusal(|| self.host.edit(SceneEdit::Setting(key.to_owned(), value)))?;

@@ -10,10 +10,11 @@ pub fn value_to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'p
         Value::Bool(v) => v.into_pyobject(py)?.to_owned().into_any(),
         Value::Int(v) => v.into_pyobject(py)?.into_any(),
         Value::Float(v) => v.into_pyobject(py)?.into_any(),
+        Value::Text(v) => v.into_pyobject(py)?.into_any(),
     })
 }
 
-/// Rows of the settings table: dicts with key, default, range, label and doc.
+/// Rows of the settings table: dicts with key, default, range, choices, label and doc.
 #[pyfunction]
 pub fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let row = |setting: &umber_settings::Setting| {
@@ -21,6 +22,7 @@ pub fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         dict.set_item("key", setting.key)?;
         dict.set_item("default", value_to_python(py, &setting.default)?)?;
         dict.set_item("range", setting.range)?;
+        dict.set_item("choices", setting.choices)?;
         dict.set_item("label", setting.label)?;
         dict.set_item("doc", setting.doc)?;
         Ok(dict)

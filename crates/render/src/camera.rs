@@ -27,6 +27,25 @@ pub struct Depths {
     pub projected: f32,
 }
 
+/// How a camera projects: what a rasteriser needs.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// From render to camera space.
+    pub camera_from_render: DAffine3,
+    /// Whether that mirrors.
+    pub mirrored: bool,
+    /// Perspective or orthographic.
+    pub projection: Projection,
+    /// Screen position of the film's corner (0, 0), as for [`RenderCamera`].
+    pub screen_min: DVec2,
+    /// The step of one pixel there.
+    pub screen_step: DVec2,
+    /// Least distance along the view axis.
+    pub near: f64,
+    /// Largest distance along the view axis.
+    pub far: f64,
+}
+
 impl RenderCamera {
     /// Binds a camera to a film. `None` where its transform is singular or its window is empty or
     /// not finite.
@@ -70,9 +89,29 @@ impl RenderCamera {
         }
     }
 
+    /// The way back from render space to film positions: the inverse of the very matrix that makes rays.
+    pub fn view(&self) -> View {
+        let forward = self.render_from_camera.forward();
+        let (m, t) = (forward.matrix3, forward.translation);
+        let render_from_camera = DAffine3::from_mat3_translation(glam::Mat3::from(m).as_dmat3(), t.as_dvec3());
+        View {
+            camera_from_render: render_from_camera.inverse(),
+            mirrored: self.render_from_camera.flips_handedness(),
+            projection: self.projection,
+            screen_min: self.screen_min,
+            screen_step: self.screen_step,
+            near: self.near.into(),
+            far: self.far.into(),
+        }
+    }
+
     /// Depths of a point in render space.
     pub fn depths(&self, p: Point3) -> Depths {
-        let distance = -self.render_from_camera.inverse_point(p).z();
+        self.depths_at(-self.render_from_camera.inverse_point(p).z())
+    }
+
+    /// Depths of what lies `distance` before the camera, along the view axis.
+    pub fn depths_at(&self, distance: f32) -> Depths {
         let (n, f) = (self.near, self.far);
         let projected = match self.projection {
             Projection::Perspective if f.is_infinite() => 1.0 - n / distance,

@@ -24,6 +24,7 @@ pub use instances::InstanceNumber;
 pub use membership::Membership;
 
 use crate::camera::RenderCamera;
+use crate::integrator;
 use crate::light_set::LightSet;
 use crate::linking::Linking;
 use crate::material::RenderMaterial;
@@ -174,7 +175,7 @@ impl Compiler {
             self.render_meshes.iter().any(|mesh| mesh.may_be_absent(&self.render_materials)) && instance_count > 0;
         RenderScene {
             camera,
-            settings: store.settings().clone(),
+            settings: integrator::settings(store.settings()),
             top,
             numbers,
             instance_count,

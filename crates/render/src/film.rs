@@ -2,7 +2,7 @@
 
 mod pixel;
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use umber_math::Rgb;
@@ -136,6 +136,16 @@ impl Film {
         let tiles = (0..columns * rows).map(tile).collect();
         Self { desc, centers, columns, tiles }
     }
+    /// A film without samples, in the memory of one that is not needed any more, where they are of one kind.
+    pub(crate) fn renewed(desc: FilmDesc, old: Option<Self>) -> Self {
+        let Some(mut film) = old.filter(|old| old.desc == desc) else { return Self::new(desc) };
+        for tile in &mut film.tiles {
+            let tile = tile.get_mut().unwrap_or_else(PoisonError::into_inner);
+            tile.halves.iter_mut().for_each(Vec::clear);
+            tile.centers.clear();
+        }
+        film
+    }
     /// What it was made for.
     pub fn desc(&self) -> &FilmDesc {
         &self.desc
@@ -147,9 +157,13 @@ impl Film {
     pub(crate) fn tile_count(&self) -> usize {
         self.tiles.len()
     }
+    /// Index of the tile that holds the pixel at column `x` and row `y`.
+    pub(crate) fn tile_at(&self, x: usize, y: usize) -> usize {
+        y / TILE * self.columns + x / TILE
+    }
     pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         // a panic elsewhere leaves at worst a tile that lacks samples
-        self.tiles[index].lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+        self.tiles[index].lock().unwrap_or_else(PoisonError::into_inner)
     }
     /// Keeps what is seen through pixel middles of a tile: `None` where nothing is.
     pub(crate) fn set_centers(&self, index: usize, hits: &[Option<CenterHit>]) {

@@ -2,17 +2,30 @@
 
 mod center;
 pub mod dimensions;
+mod direct;
+mod mirror;
 pub mod path;
+pub mod raster;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use umber_math::{Rgb, Vec2};
 use umber_sampling::Sampler;
+use umber_settings::{Integrator, Settings};
 
 use crate::adaptive::{self, Plan};
 use crate::film::{Film, PixelSum};
 use crate::scene::RenderScene;
+
+/// The settings as the chosen integrator takes them.
+pub fn settings(given: &Settings) -> Settings {
+    match given.integrator {
+        Integrator::Path | Integrator::Mirror => given.clone(),
+        Integrator::Direct => direct::settings(given),
+        Integrator::Raster => raster::settings(given),
+    }
+}
 
 /// One sample of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +130,7 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
         if goal.counts(rect.x, rect.y)[half as usize] > 0 {
             sums.resize(pixels, PixelSum::default());
         }
-        let seed = goal.seed(scene, half);
+        let sequence = Sequence { seed: goal.seed(scene, half), half };
         for (i, sum) in sums.iter_mut().enumerate() {
             let [x, y] = place(i);
             if x % goal.stride != 0 || y % goal.stride != 0 {
@@ -132,7 +145,7 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
                     break 'halves;
                 }
                 let mut rays = 0;
-                let sample = sample(scene, film, seed, [x, y], sum.samples, &mut rays);
+                let sample = sample(scene, film, sequence, [x, y], sum.samples, &mut rays);
                 sum.add(sample.radiance, sample.coverage, rays as u32);
                 work.rays += rays;
                 work.samples += 1;
@@ -143,11 +156,18 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
     work
 }
 
+/// Samples of one half of a pixel.
+#[derive(Clone, Copy)]
+struct Sequence {
+    seed: u64,
+    half: u32,
+}
+
 /// Takes sample number `number` of the pixel at column `x` and row `y`.
 fn sample(
     scene: &RenderScene,
     film: &Film,
-    seed: u64,
+    sequence: Sequence,
     [x, y]: [usize; 2],
     number: u32,
     rays: &mut u64,
@@ -155,10 +175,20 @@ fn sample(
     let data_min = film.desc().data_window_min;
     // numbered within the whole view, so that a part of it shows the same noise
     let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
-    let mut sampler = Sampler::new(seed, pixel, number);
-    sampler.start_dimension(dimensions::FILM);
-    let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + sampler.next_2d());
-    let sample = path::radiance(scene, ray, &mut sampler, rays);
+    let mut sampler = Sampler::new(sequence.seed, pixel, number);
+    let is_mirror = scene.settings.integrator == Integrator::Mirror;
+    let in_pixel = if is_mirror && number == 0 && sequence.half == 0 {
+        Vec2::splat(0.5)
+    } else {
+        sampler.start_dimension(dimensions::FILM);
+        sampler.next_2d()
+    };
+    let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
+    let sample = if is_mirror {
+        mirror::radiance(scene, ray, &mut sampler, rays)
+    } else {
+        path::radiance(scene, ray, &mut sampler, rays)
+    };
     RadianceSample { radiance: clamped(finite(sample.radiance), scene.settings.firefly_clamp), ..sample }
 }
 

@@ -1,12 +1,13 @@
 //! Meshes as rays meet them.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use umber_bvh::MeshBvh;
 use umber_geometry::{Attribute, TriangleMesh};
 use umber_math::{Point3, Vec2, Vec3};
 use umber_scene::CulledFaces;
 
+use crate::clusters::Clusters;
 use crate::material::RenderMaterial;
 
 /// Points and triangles of a mesh with their hierarchy: what topology and points make.
@@ -17,9 +18,19 @@ pub struct MeshShape {
     pub mesh: TriangleMesh,
     /// Hierarchy over the triangles.
     pub bvh: Arc<MeshBvh>,
+    /// Made when a rasteriser first asks for them.
+    clusters: OnceLock<Clusters>,
 }
 
 impl MeshShape {
+    /// Of points, their triangles and the hierarchy over them.
+    pub fn new(points: Arc<[Vec3]>, mesh: TriangleMesh, bvh: Arc<MeshBvh>) -> Self {
+        Self { points, mesh, bvh, clusters: OnceLock::new() }
+    }
+    /// Its triangles by where they are.
+    pub fn clusters(&self) -> &Clusters {
+        self.clusters.get_or_init(|| Clusters::new(&self.points, &self.mesh.triangles, self.bvh.bounds()))
+    }
     /// The corners of a triangle, object space.
     #[inline]
     pub fn triangle(&self, triangle: u32) -> [Point3; 3] {

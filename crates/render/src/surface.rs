@@ -12,7 +12,7 @@ use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
 
 /// Albedo where neither a material is bound nor a displayColor authored (UsdPreviewSurface's fallback).
-const FALLBACK_COLOR: Vec3 = Vec3::splat(0.18);
+pub(crate) const FALLBACK_COLOR: Vec3 = Vec3::splat(0.18);
 
 /// An evaluated hit: everything in render space unless it says otherwise.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,11 @@
 //! Hydra's descriptors, the command line's `--set` and the documentation are made from [`TABLE`];
 //! the renderer reads the typed [`Settings`]. A new setting is one row of `settings!` in `table.rs`.
 
+mod choice;
 mod parse;
 mod table;
 
+pub use choice::{Integrator, RasterColor};
 pub use parse::{SettingError, nearest_key};
 pub use table::{Settings, TABLE};
 
@@ -18,6 +20,8 @@ pub enum Value {
     Int(i64),
     /// A number.
     Float(f64),
+    /// A word.
+    Text(String),
 }
 
 impl std::fmt::Display for Value {
@@ -26,6 +30,7 @@ impl std::fmt::Display for Value {
             Self::Bool(v) => v.fmt(f),
             Self::Int(v) => v.fmt(f),
             Self::Float(v) => v.fmt(f),
+            Self::Text(v) => v.fmt(f),
         }
     }
 }
@@ -39,6 +44,8 @@ pub struct Setting {
     pub default: Value,
     /// Smallest and largest allowed value, where the type is a number.
     pub range: Option<(f64, f64)>,
+    /// The allowed words, where the type is a word; else empty.
+    pub choices: &'static [&'static str],
     /// Name in a user interface.
     pub label: &'static str,
     /// One sentence for help texts.
@@ -47,6 +54,8 @@ pub struct Setting {
 
 /// Types that a setting can have.
 pub trait SettingType: Copy {
+    /// The allowed words, where it is one.
+    const CHOICES: &'static [&'static str] = &[];
     /// Wraps a value.
     fn wrap(self) -> Value;
     /// Unwraps a value of the matching kind.

@@ -21,7 +21,7 @@ pub enum SettingError {
         /// The key.
         key: &'static str,
         /// What it takes, in words.
-        wanted: &'static str,
+        wanted: String,
         /// The value that was given.
         value: String,
     },
@@ -53,12 +53,17 @@ pub(crate) fn row(key: &str) -> Result<&'static Setting, SettingError> {
         .ok_or_else(|| SettingError::UnknownKey { key: key.to_owned(), nearest: nearest_key(key) })
 }
 
-fn wanted(row: &Setting) -> &'static str {
+fn wanted(row: &Setting) -> String {
     match row.default {
-        Value::Bool(_) => "true or false",
-        Value::Int(_) => "a whole number",
-        Value::Float(_) => "a number",
+        Value::Bool(_) => "true or false".to_owned(),
+        Value::Int(_) => "a whole number".to_owned(),
+        Value::Float(_) => "a number".to_owned(),
+        Value::Text(_) => format!("one of {}", row.choices.join(", ")),
     }
+}
+
+fn wrong_type(row: &'static Setting, value: String) -> SettingError {
+    SettingError::WrongType { key: row.key, wanted: wanted(row), value }
 }
 
 pub(crate) fn parse(row: &'static Setting, text: &str) -> Result<Value, SettingError> {
@@ -70,8 +75,9 @@ pub(crate) fn parse(row: &'static Setting, text: &str) -> Result<Value, SettingE
         },
         Value::Int(_) => text.parse().ok().map(Value::Int),
         Value::Float(_) => text.parse().ok().map(Value::Float),
+        Value::Text(_) => Some(Value::Text(text.to_owned())),
     };
-    parsed.ok_or_else(|| SettingError::WrongType { key: row.key, wanted: wanted(row), value: text.to_owned() })
+    parsed.ok_or_else(|| wrong_type(row, text.to_owned()))
 }
 
 pub(crate) fn convert(row: &'static Setting, value: &Value) -> Result<Value, SettingError> {
@@ -83,12 +89,13 @@ pub(crate) fn convert(row: &'static Setting, value: &Value) -> Result<Value, Set
         // rounded once to the precision that the renderer keeps, so that "unchanged" means that
         (Value::Float(_), Value::Float(v)) => Value::Float(f64::from(*v as f32)),
         (Value::Bool(_), Value::Bool(_)) | (Value::Int(_), Value::Int(_)) => value.clone(),
-        _ => return Err(SettingError::WrongType { key: row.key, wanted: wanted(row), value: value.to_string() }),
+        (Value::Text(_), Value::Text(word)) if row.choices.contains(&word.as_str()) => value.clone(),
+        _ => return Err(wrong_type(row, value.to_string())),
     };
     let number = match converted {
         Value::Int(v) => v as f64,
         Value::Float(v) => v,
-        Value::Bool(_) => return Ok(converted),
+        Value::Bool(_) | Value::Text(_) => return Ok(converted),
     };
     match row.range {
         Some((min, max)) if !(min..=max).contains(&number) => {

@@ -1,6 +1,6 @@
 //! The rows, and the typed struct made from them.
 
-use crate::{Setting, SettingError, SettingType, Value, parse};
+use crate::{Integrator, RasterColor, Setting, SettingError, SettingType, Value, parse};
 
 macro_rules! settings {
     ($($field:ident: $type:ty = $default:expr, $key:literal, $range:expr, $label:literal, $doc:literal;)*) => {
@@ -20,8 +20,9 @@ macro_rules! settings {
         pub static TABLE: std::sync::LazyLock<Vec<Setting>> = std::sync::LazyLock::new(|| {
             vec![$(Setting {
                 key: $key,
-                default: SettingType::wrap($default as $type),
+                default: <$type as SettingType>::wrap($default),
                 range: $range,
+                choices: <$type as SettingType>::CHOICES,
                 label: $label,
                 doc: $doc,
             },)*]
@@ -57,6 +58,12 @@ settings! {
         "Interactive", "Show every pass as soon as it is done; off: fewer, larger passes for final frames.";
     dome_light_camera_visibility: bool = true, "domeLightCameraVisibility", None,
         "Dome Light Camera Visibility", "Whether the camera sees dome lights, and the disks of distant ones, in the background.";
+    integrator: Integrator = Integrator::Path, "umber:integrator", None,
+        "Integrator", "How the picture is made: path follows light over all bounces, direct over one; raster projects triangles, without light, and is finished after one sample; mirror gives the cosine between the view ray, reflected about the face's normal, and one direction to a light.";
+    raster_color: RasterColor = RasterColor::Shaded, "umber:rasterColor", None,
+        "Raster Color", "What the integrator raster shows: shaded is the surface's colour lit from the eye, random one colour a polygon, primId one a prim.";
+    mirror_roughness: f32 = 0.0, "umber:mirrorRoughness", Some((0.0, 1e6)),
+        "Mirror Roughness", "Scale of the normally distributed vector that the integrator mirror adds to each reflected direction.";
     max_bounces: u32 = 8, "umber:maxBounces", Some((0.0, 1024.0)),
         "Max Bounces", "Scattering events a path may have; 0 shows emission alone, 1 direct light.";
     roulette_bounces: u32 = 3, "umber:rouletteBounces", Some((0.0, 1024.0)),
@@ -103,7 +110,11 @@ mod tests {
         for row in TABLE.iter() {
             assert_eq!(defaults.get(row.key).as_ref(), Some(&row.default), "{}", row.key);
             assert!(!row.doc.is_empty() && !row.label.is_empty(), "{}", row.key);
-            assert_eq!(row.range.is_none(), matches!(row.default, Value::Bool(_)), "{}", row.key);
+            assert_eq!(row.range.is_none(), matches!(row.default, Value::Bool(_) | Value::Text(_)), "{}", row.key);
+            match &row.default {
+                Value::Text(word) => assert!(row.choices.contains(&word.as_str()), "{}", row.key),
+                _ => assert!(row.choices.is_empty(), "{}", row.key),
+            }
             assert_eq!(TABLE.iter().filter(|r| r.key == row.key).count(), 1, "{}", row.key);
         }
     }
@@ -116,6 +127,28 @@ mod tests {
         assert!(!s.dome_light_camera_visibility);
         assert_eq!(s.set("convergedVariance", &Value::Int(0)), Ok(true));
         assert_eq!(s.set_from_text("umber:maxBounces", "8"), Ok(false));
+    }
+
+    #[test]
+    fn words_are_taken_by_name() {
+        let mut s = Settings::default();
+        for row in TABLE.iter() {
+            for word in row.choices {
+                s.set_from_text(row.key, word).unwrap();
+                assert_eq!(s.get(row.key), Some(Value::Text((*word).to_owned())));
+            }
+        }
+        assert_eq!(s.set("umber:integrator", &Value::Text("direct".into())), Ok(true));
+        assert_eq!(s.integrator, Integrator::Direct);
+        for value in [Value::Text("Path".into()), Value::Int(0), Value::Text(String::new())] {
+            let said = s.set("umber:integrator", &value).unwrap_err().to_string();
+            assert_eq!(
+                said,
+                format!("setting 'umber:integrator' takes one of path, direct, raster, mirror, not '{value}'")
+            );
+        }
+        assert!(s.set("umber:maxBounces", &Value::Text("8".into())).is_err());
+        assert_eq!(s.integrator, Integrator::Direct);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::{Context, Result};
 
+mod chapter;
 mod efficiency;
 mod report;
 
@@ -25,7 +26,8 @@ const STAGES: [(&str, &str); 2] = [
 pub struct Arguments {
     /// What to measure, and flags, passed on: `rays [--rays N] [--rounds N] [--scene NAME]`, `stability [--rays N]`,
     /// `efficiency [--scene NAME ...] [--rounds N] [--samples N ...]`, `report [--scene NAME ...] [--rounds N]
-    /// [--only scenes|parsimony|stability|document ...]`. See `rays --help`.
+    /// [--only scenes|parsimony|stability|document ...]`, `chapter [--pictures N]`. See `rays
+    /// --help`.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true, value_name = "WHAT FLAGS")]
     words: Vec<String>,
 }
@@ -46,6 +48,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if arguments.words.first().is_some_and(|what| what == "stability") {
         stability(&arguments.words[1..], &folder)?;
         return Ok(ExitCode::SUCCESS);
+    }
+    if arguments.words.first().is_some_and(|what| what == "chapter") {
+        return chapter::run(&arguments.words[1..], &folder);
     }
     let of_stages = arguments.words.first().is_some_and(|what| what == "rays");
     for (name, stage) in STAGES.into_iter().filter(|_| of_stages) {

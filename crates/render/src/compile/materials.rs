@@ -7,7 +7,7 @@ use umber_math::Rgb;
 use umber_scene::{Material, MaterialId, Mesh, OpacityMode};
 use umber_shading::Lobes;
 
-use crate::material::RenderMaterial;
+use crate::material::{RenderMaterial, in_unit};
 use crate::mesh::NO_MATERIAL;
 
 /// All materials and behind them a black one, and their index by path. Says what of their emission cannot be used.
@@ -24,7 +24,7 @@ pub fn compile(
     }
     let indices = materials.keys().cloned().zip(0..).collect();
     let lobes = Some(Lobes::lambert(Rgb::BLACK));
-    let black = RenderMaterial { lobes, emission: Rgb::BLACK, presence: 1.0 };
+    let black = RenderMaterial { lobes, base_color: Some(Rgb::BLACK), emission: Rgb::BLACK, presence: 1.0 };
     (indices, materials.values().map(compile_one).chain([black]).collect())
 }
 
@@ -49,12 +49,20 @@ fn emission_problem(color: Rgb) -> Option<&'static str> {
 
 fn compile_one(material: &Material) -> RenderMaterial {
     match material {
-        Material::Unknown => RenderMaterial { lobes: None, emission: Rgb::BLACK, presence: 1.0 },
+        Material::Unknown => RenderMaterial { lobes: None, base_color: None, emission: Rgb::BLACK, presence: 1.0 },
         Material::Preview(surface) => {
+            let base_color = Some(base_color(surface));
             let surface = preview_surface(surface);
-            RenderMaterial { lobes: Some(surface.lobes()), emission: surface.emission(), presence: surface.presence() }
+            let (emission, presence) = (surface.emission(), surface.presence());
+            RenderMaterial { lobes: Some(surface.lobes()), base_color, emission, presence }
         }
     }
+}
+
+/// What a metal reflects, or a surface that is none.
+fn base_color(s: &umber_scene::PreviewSurface) -> Rgb {
+    let has_diffuse = !(s.use_specular_workflow && s.diffuse_color.is_black());
+    in_unit(if has_diffuse { s.diffuse_color } else { s.specular_color })
 }
 
 fn preview_surface(s: &umber_scene::PreviewSurface) -> umber_shading::PreviewSurface {

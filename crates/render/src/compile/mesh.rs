@@ -29,7 +29,7 @@ pub fn compile_shape(mesh: &Mesh, older: Option<&MeshShape>, say: &mut dyn FnMut
     let same_faces = |older: &&MeshShape| older.mesh.elements == triangles.elements;
     let fitted = older.filter(same_faces).and_then(|older| older.bvh.refitted(points, &triangles.triangles));
     let bvh = fitted.unwrap_or_else(|| MeshBvh::build(points, &triangles.triangles));
-    MeshShape { points: Arc::clone(&mesh.points), mesh: triangles, bvh: Arc::new(bvh) }
+    MeshShape::new(Arc::clone(&mesh.points), triangles, Arc::new(bvh))
 }
 
 /// Whether a shape lacks what the mesh's attributes are read by.

@@ -19,6 +19,12 @@ pub(crate) struct PixelSum {
 }
 
 impl PixelSum {
+    /// One sample that took no rays.
+    pub fn of(rgb: umber_math::Rgb, coverage: f32) -> Self {
+        let mut sum = Self::default();
+        sum.add(rgb, coverage, 0);
+        sum
+    }
     /// Adds a sample that took some rays.
     pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32, rays: u32) {
         for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {

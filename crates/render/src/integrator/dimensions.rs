@@ -28,6 +28,10 @@ pub enum Draw {
     LobeDirection = 3,
     /// Whether the path goes on.
     Roulette = 4,
+    /// Two numbers of the vector that makes a mirror rough.
+    MirrorNoise = 5,
+    /// The third of them.
+    MirrorNoiseThird = 6,
 }
 
 /// The set of a draw at a path's vertex number `vertex`, counted from 0 behind the camera.
@@ -40,6 +44,6 @@ pub const fn presence(vertex: u32, pass: u32) -> u32 {
     PRESENCE_SETS + vertex * PRESENCE_SETS_PER_SEGMENT + pass
 }
 
-const _: () = assert!((Draw::Roulette as u32) < VERTEX_SETS && FILM < CAMERA_SETS);
+const _: () = assert!((Draw::MirrorNoiseThird as u32) < VERTEX_SETS && FILM < CAMERA_SETS);
 // as many bounces as the settings allow
-const _: () = assert!(vertex(1024, Draw::Roulette) < PRESENCE_SETS);
+const _: () = assert!(vertex(1024, Draw::MirrorNoiseThird) < PRESENCE_SETS);

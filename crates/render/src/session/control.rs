@@ -209,6 +209,11 @@ impl Shared {
         self.changed.notify_all();
     }
 
+    /// Takes the film that is shown away, if nobody reads it; an empty one is then shown.
+    pub fn take_film(&self) -> Option<Film> {
+        Arc::try_unwrap(std::mem::take(&mut *lock(&self.film))).ok()
+    }
+
     /// Shows a new film in place of the old one.
     pub fn show(&self, film: Arc<Film>) {
         *lock(&self.film) = film;

@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
+use umber_settings::Integrator;
 
 use super::control::Shared;
 use crate::adaptive::{self, Plan};
 use crate::film::{COARSE, Film};
-use crate::integrator::{Goal, Stop, Target, render_tile};
+use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile};
 use crate::scene::RenderScene;
 
 /// Samples a pixel that one pass of a final frame adds.
@@ -84,6 +85,11 @@ impl Picture {
         self.scene.settings.converged_variance >= 0.0
     }
 
+    /// Whether it is made in one pass over the whole film.
+    fn is_rasterised(&self) -> bool {
+        self.scene.settings.integrator == Integrator::Raster
+    }
+
     fn pilot(&self) -> u32 {
         adaptive::pilot(self.scene.settings.converged_samples_per_pixel)
     }
@@ -92,7 +98,7 @@ impl Picture {
     fn next_pass(&self) -> Option<(u32, usize)> {
         let settings = &self.scene.settings;
         // there may be an end at any time, or somebody who watches
-        let small_steps = settings.enable_interactive || settings.time_limit > 0.0;
+        let small_steps = !self.is_rasterised() && (settings.enable_interactive || settings.time_limit > 0.0);
         if small_steps && self.done == 0 && self.coarse < COARSE.len() {
             return Some((1, COARSE[self.coarse]));
         }
@@ -125,25 +131,32 @@ impl Picture {
         };
         let goal = Goal { samples, stride, target };
         let (whole, before) = (self.whole(), self.seconds);
-        // each thread takes the next tile: all work side by side, and none waits longer than for one tile
-        let next = AtomicUsize::new(0);
-        pool.broadcast(|_| {
-            while let Some(tile) = self.order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if stop.now() {
-                    return;
+        let worked = |work: TileWork| {
+            let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
+            let samples = self.samples.fetch_add(work.samples, Ordering::Relaxed) + work.samples;
+            let seconds = before + started.elapsed().as_secs_f64();
+            let of_time = if limit > 0.0 { seconds / limit } else { 0.0 };
+            shared.update_stats(|s| {
+                s.rays = s.rays.max(rays);
+                s.percent_done = s.percent_done.max(100.0 * (samples as f64 / whole).max(of_time).min(1.0));
+                s.render_seconds = seconds;
+            });
+        };
+        if self.is_rasterised() {
+            let samples = pool.install(|| raster::render(&self.scene, &self.film, &stop));
+            worked(TileWork { rays: 0, samples });
+        } else {
+            // each thread takes the next tile: all work side by side, and none waits longer than for one tile
+            let next = AtomicUsize::new(0);
+            pool.broadcast(|_| {
+                while let Some(tile) = self.order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if stop.now() {
+                        return;
+                    }
+                    worked(render_tile(&self.scene, &self.film, *tile, &goal, &stop));
                 }
-                let work = render_tile(&self.scene, &self.film, *tile, &goal, &stop);
-                let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
-                let samples = self.samples.fetch_add(work.samples, Ordering::Relaxed) + work.samples;
-                let seconds = before + started.elapsed().as_secs_f64();
-                let of_time = if limit > 0.0 { seconds / limit } else { 0.0 };
-                shared.update_stats(|s| {
-                    s.rays = s.rays.max(rays);
-                    s.percent_done = s.percent_done.max(100.0 * (samples as f64 / whole).max(of_time).min(1.0));
-                    s.render_seconds = seconds;
-                });
-            }
-        });
+            });
+        }
         self.seconds = before + started.elapsed().as_secs_f64();
         let taken = self.samples.load(Ordering::Relaxed) as f64;
         let pixels = (self.film.desc().width * self.film.desc().height) as f64;

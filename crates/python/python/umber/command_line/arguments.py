@@ -178,5 +178,6 @@ def _settings_help() -> str:
     lines = ["settings for --set:"]
     for row in settings():
         limits = f", {row['range'][0]:g} to {row['range'][1]:g}" if row["range"] else ""
-        lines.append(f"  {row['key']} (default {str(row['default']).lower()}{limits})\n      {row['doc']}")
+        choices = f"; one of {', '.join(row['choices'])}" if row["choices"] else ""
+        lines.append(f"  {row['key']} (default {str(row['default']).lower()}{limits}{choices})\n      {row['doc']}")
     return "\n".join(lines)

@@ -1,0 +1,269 @@
+//! From object space to the film: homogeneous positions, and their places on a fine integer grid.
+
+use umber_math::{Bounds3, DAffine3, DVec2, DVec3, Point3, Vec3};
+use umber_scene::Projection;
+
+use crate::camera::View;
+
+/// Bits of a coordinate on the grid: edge functions of such coordinates are exact in 64 bits.
+const COORDINATE_BITS: u32 = 29;
+/// Least weight of a homogeneous position: what is nearer to the eye is cut off.
+const LEAST_DISTANCE: f64 = 1e-30;
+/// The near plane is moved by this factor, as the camera moves the near ends of its rays.
+const NEAR_SLACK: f64 = 1.0 - 16.0 * f32::EPSILON as f64;
+
+/// A position before the division by its weight.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Homogeneous {
+    /// Film position from the film's middle, pixels with y up, times the weight.
+    pub x: f64,
+    /// As `x`.
+    pub y: f64,
+    /// Distance from the camera along the view axis.
+    pub distance: f64,
+}
+
+impl Homogeneous {
+    /// The position at `t` of the way to another.
+    pub fn toward(self, o: Self, t: f64) -> Self {
+        let at = |a: f64, b: f64| a + (b - a) * t;
+        Self { x: at(self.x, o.x), y: at(self.y, o.y), distance: at(self.distance, o.distance) }
+    }
+}
+
+/// A projected vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Film position from the film's middle, in grid units, y up.
+    pub x: i32,
+    /// As `x`.
+    pub y: i32,
+    /// Larger is nearer, and linear over a projected triangle: one over the distance along the view axis; that
+    /// distance, negative, for orthographic cameras.
+    pub nearness: f32,
+}
+
+impl Vertex {
+    /// Stands for a vertex that has no place on the grid: its triangles must be clipped.
+    pub const OFF_GRID: Self = Self { x: i32::MIN, y: i32::MIN, nearness: 0.0 };
+
+    /// Whether it is [`Vertex::OFF_GRID`].
+    #[inline]
+    pub fn is_off_grid(&self) -> bool {
+        self.x == i32::MIN
+    }
+}
+
+/// The film's grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// Pixels across.
+    pub width: i32,
+    /// Pixels down.
+    pub height: i32,
+    /// Grid units in a pixel: two to this power.
+    pub subpixel_bits: u32,
+    /// Largest film position from the middle that has a place on the grid, pixels.
+    pub guard: f64,
+    /// Whether positions are divided by their distance.
+    pub is_perspective: bool,
+    /// Distance of the near plane.
+    pub near: f64,
+    /// Nearness of the far plane: what is to be seen has more.
+    pub far_nearness: f32,
+    view: View,
+}
+
+impl Grid {
+    /// The grid of a film of so many pixels.
+    pub fn new(view: View, width: usize, height: usize) -> Self {
+        // half the film, and as much again around it
+        let guard_bits = usize::BITS - width.max(height).max(2).leading_zeros();
+        let is_perspective = view.projection == Projection::Perspective;
+        let near = if is_perspective { (view.near * NEAR_SLACK).max(LEAST_DISTANCE) } else { view.near.max(0.0) };
+        Self {
+            width: width as i32,
+            height: height as i32,
+            subpixel_bits: COORDINATE_BITS - guard_bits,
+            guard: f64::from(1u32 << guard_bits),
+            is_perspective,
+            near,
+            far_nearness: (if is_perspective { 1.0 / view.far } else { -view.far }) as f32,
+            view,
+        }
+    }
+
+    /// What leads from object space to homogeneous positions.
+    pub fn film_from_object(&self, render_from_object: &DAffine3) -> FilmFromObject {
+        let camera = self.view.camera_from_render * *render_from_object;
+        let rows = camera.matrix3.transpose();
+        let row = |axis: DVec3, translation: f64| Row { axis, translation };
+        let depth = row(-rows.z_axis, -camera.translation.z);
+        let (min, step) = (self.view.screen_min, self.view.screen_step);
+        let across = |r: Row, min: f64, step: f64, pixels: i32| {
+            // film position of screen position zero, from the film's middle
+            let shift = -min / step - 0.5 * f64::from(pixels);
+            if self.is_perspective {
+                r.times(1.0 / step).plus(depth.times(shift))
+            } else {
+                let r = r.times(1.0 / step);
+                Row { translation: r.translation + shift, ..r }
+            }
+        };
+        FilmFromObject {
+            x: across(row(rows.x_axis, camera.translation.x), min.x, step.x, self.width),
+            y: across(row(rows.y_axis, camera.translation.y), min.y, step.y, self.height),
+            distance: depth,
+        }
+    }
+
+    /// Directions of view rays, render space, not of unit length: through the film's middle, and their change by one
+    /// pixel across and one up.
+    pub fn directions(&self) -> [Vec3; 3] {
+        let render_from_camera = self.view.camera_from_render.matrix3.inverse();
+        let (min, step) = (self.view.screen_min, self.view.screen_step);
+        let middle = min + step * 0.5 * DVec2::new(self.width.into(), self.height.into());
+        let directions = if self.is_perspective {
+            [DVec3::new(middle.x, middle.y, -1.0), DVec3::new(step.x, 0.0, 0.0), DVec3::new(0.0, step.y, 0.0)]
+        } else {
+            [DVec3::NEG_Z, DVec3::ZERO, DVec3::ZERO]
+        };
+        directions.map(|d| (render_from_camera * d).as_vec3())
+    }
+
+    /// The weight that a position is divided by.
+    pub fn weight(&self, p: &Homogeneous) -> f64 {
+        if self.is_perspective { p.distance } else { 1.0 }
+    }
+
+    /// The place of a position, [`Vertex::OFF_GRID`] where it has none.
+    #[inline]
+    pub fn place(&self, p: Homogeneous) -> Vertex {
+        let scale = 1.0 / self.weight(&p);
+        let (x, y) = (p.x * scale, p.y * scale);
+        // false for what is not a number, too
+        let on_grid = p.distance >= self.near && x.abs() < self.guard && y.abs() < self.guard;
+        if on_grid { self.vertex(x, y, scale, p.distance) } else { Vertex::OFF_GRID }
+    }
+
+    /// The place of a position that was clipped: where rounding leads beside the grid, its nearest place.
+    pub fn place_clipped(&self, p: Homogeneous) -> Vertex {
+        let scale = 1.0 / self.weight(&p);
+        let on = |v: f64| (v * scale).clamp(-self.guard, self.guard);
+        self.vertex(on(p.x), on(p.y), scale, p.distance)
+    }
+
+    #[inline]
+    fn vertex(&self, x: f64, y: f64, scale: f64, distance: f64) -> Vertex {
+        /// Added to a number of less than 32 bits, it leaves its nearest integer in the lowest bits.
+        const ROUNDER: f64 = 6_755_399_441_055_744.0;
+        let unit = f64::from(1u32 << self.subpixel_bits);
+        let rounded = |v: f64| (v * unit + ROUNDER).to_bits() as i32;
+        let nearness = if self.is_perspective { scale } else { -distance };
+        Vertex { x: rounded(x), y: rounded(y), nearness: nearness as f32 }
+    }
+
+    /// The middle of a pixel, grid units. `pixels`: of the film in that direction.
+    #[inline]
+    pub fn center(&self, pixel: i32, pixels: i32) -> i32 {
+        (2 * pixel + 1 - pixels) << (self.subpixel_bits - 1)
+    }
+
+    /// A pixel's middle, from the film's, pixels.
+    #[inline]
+    pub fn film_position(&self, [x, y]: [i32; 2]) -> [f64; 2] {
+        [f64::from(x) + 0.5 - 0.5 * f64::from(self.width), f64::from(y) + 0.5 - 0.5 * f64::from(self.height)]
+    }
+
+    /// The pixels whose middles lie between two places, the last one with it.
+    #[inline]
+    pub fn pixels_between(&self, low: i32, high: i32, pixels: i32) -> [i32; 2] {
+        let shift = (pixels - 1) << (self.subpixel_bits - 1);
+        let up = (1 << self.subpixel_bits) - 1;
+        let first = (low + shift + up) >> self.subpixel_bits;
+        let last = (high + shift) >> self.subpixel_bits;
+        [first.max(0), last.min(pixels - 1)]
+    }
+
+    /// Where a box can be on the film, and how near at most. `None`: behind the near plane in part.
+    pub fn reach(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> Option<Reach> {
+        let (mut low, mut high, mut distance) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], f64::INFINITY);
+        for corner in bounds.corners() {
+            let p = film_from_object.apply(corner);
+            let scale = 1.0 / self.weight(&p);
+            for (axis, v) in [p.x * scale, p.y * scale].into_iter().enumerate() {
+                (low[axis], high[axis]) = (low[axis].min(v), high[axis].max(v));
+            }
+            distance = distance.min(p.distance);
+        }
+        let nearness = if self.is_perspective { 1.0 / distance } else { -distance } as f32;
+        // by a pixel more than it is, whatever the rounding
+        let pixels = |axis: usize, pixels: i32| {
+            let half = 0.5 * f64::from(pixels);
+            [((low[axis] + half - 1.0) as i32).max(0), ((high[axis] + half + 1.0) as i32).min(pixels - 1)]
+        };
+        let pixels = [pixels(0, self.width), pixels(1, self.height)];
+        let nearness = nearness + nearness.abs() * 1e-5;
+        (distance > self.near).then_some(Reach { pixels, nearness })
+    }
+
+    /// Whether nothing of a box can be on the film.
+    pub fn misses(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> bool {
+        let corners = bounds.corners().map(|p| film_from_object.apply(p));
+        let [half_x, half_y] = [self.width, self.height].map(|pixels| 0.5 * f64::from(pixels));
+        // a corner that is not a number is beyond nothing
+        let all = |beyond: &dyn Fn(&Homogeneous) -> bool| corners.iter().all(beyond);
+        all(&|p| p.distance < self.near)
+            || all(&|p| p.distance > self.view.far)
+            || all(&|p| p.x < -half_x * self.weight(p))
+            || all(&|p| p.x > half_x * self.weight(p))
+            || all(&|p| p.y < -half_y * self.weight(p))
+            || all(&|p| p.y > half_y * self.weight(p))
+    }
+}
+
+/// Where something can be.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// First and last column, first and last row; the last before the first where it is beside the film.
+    pub pixels: [[i32; 2]; 2],
+    /// No less than its nearness anywhere.
+    pub nearness: f32,
+}
+
+/// A linear form of a point.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    axis: DVec3,
+    translation: f64,
+}
+
+impl Row {
+    fn times(self, factor: f64) -> Self {
+        Self { axis: self.axis * factor, translation: self.translation * factor }
+    }
+    fn plus(self, o: Self) -> Self {
+        Self { axis: self.axis + o.axis, translation: self.translation + o.translation }
+    }
+    #[inline]
+    fn of(&self, p: DVec3) -> f64 {
+        self.axis.x * p.x + (self.axis.y * p.y + (self.axis.z * p.z + self.translation))
+    }
+}
+
+/// Brings points of an object to the film.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmFromObject {
+    x: Row,
+    y: Row,
+    distance: Row,
+}
+
+impl FilmFromObject {
+    /// The homogeneous position of a point.
+    #[inline]
+    pub fn apply(&self, p: Point3) -> Homogeneous {
+        let p = p.0.as_dvec3();
+        Homogeneous { x: self.x.of(p), y: self.y.of(p), distance: self.distance.of(p) }
+    }
+}

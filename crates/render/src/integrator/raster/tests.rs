@@ -1,0 +1,246 @@
+//! Coverage on the grid, and batches; what pictures show is tested through sessions (`tests/raster.rs`).
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use umber_math::{DAffine3, DVec2, DVec3, Point3, Vec3};
+use umber_scene::{Camera, CameraId, MeshId, MeshPatch, Projection, SceneEdit, SubdivisionScheme, Topology};
+use umber_settings::Value;
+
+use super::clip::clip;
+use super::fill::{Boxed, Triangle};
+use super::project::{Grid, Homogeneous, Vertex};
+use super::visibility::{Canvas, NOTHING};
+use crate::camera::RenderCamera;
+use crate::{Aov, BufferFormat, FilmDesc, Session};
+
+const SIZE: usize = 80;
+
+fn grid(projection: Projection) -> Grid {
+    let camera = Camera {
+        projection,
+        aperture: DVec2::ONE,
+        focal_length: 1.0,
+        clipping_range: [0.1, 100.0],
+        ..Camera::default()
+    };
+    let film = FilmDesc::new(SIZE, SIZE, &[]);
+    Grid::new(RenderCamera::new(&camera, &film, DAffine3::IDENTITY).unwrap().view(), SIZE, SIZE)
+}
+
+/// How many of the triangles cover each pixel, each drawn alone.
+fn covered(grid: &Grid, triangles: &[[Vertex; 3]]) -> Vec<u32> {
+    let mut counts = vec![0; SIZE * SIZE];
+    for corners in triangles {
+        let mut canvas = Canvas::new(*grid);
+        let boxed = Boxed::new(grid, *corners, NOTHING + 1);
+        if let Some(triangle) = Triangle::new(&boxed).filter(|_| !boxed.is_empty()) {
+            canvas.pencil().draw(&triangle, None);
+        }
+        each_number(&mut canvas, |i, number| counts[i] += u32::from(number != NOTHING));
+    }
+    counts
+}
+
+/// A vertex at a film position from the film's middle.
+fn at(grid: &Grid, x: f64, y: f64) -> Vertex {
+    grid.place(Homogeneous { x, y, distance: 1.0 })
+}
+
+/// Numbers that look random, from 0 to 1.
+fn noise(seed: &mut u32) -> f64 {
+    *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((*seed >> ((*seed >> 28) + 4)) ^ *seed).wrapping_mul(277_803_737);
+    f64::from(word >> 22 ^ word) / f64::from(u32::MAX)
+}
+
+/// A fan around a point covers its polygon without a hole, wherever its edges go: also through pixels' middles, at
+/// which the corners of every other fan are. What lies on an edge shows the first of the triangles that share it,
+/// whoever is drawn first.
+#[test]
+fn triangles_that_share_edges_leave_no_hole() {
+    let grid = grid(Projection::Orthographic);
+    let mut seed = 1;
+    let mut shared = 0;
+    for fan in 0..60 {
+        let snap = |v: f64| if fan % 2 == 0 { v } else { v.floor() + 0.5 };
+        let middle = [snap(noise(&mut seed) * 10.0 - 5.0), snap(noise(&mut seed) * 10.0 - 5.0)];
+        let count = 3 + fan % 9;
+        let rim: Vec<[f64; 2]> = (0..count)
+            .map(|i| {
+                let angle = std::f64::consts::TAU * (i as f64 + 0.4 * noise(&mut seed)) / count as f64;
+                let radius = 6.0 + 30.0 * noise(&mut seed);
+                [snap(middle[0] + radius * angle.cos()), snap(middle[1] + radius * angle.sin())]
+            })
+            .collect();
+        let corners = |i: usize| [middle, rim[i], rim[(i + 1) % count]];
+        let triangles: Vec<[Vertex; 3]> = (0..count)
+            .map(|i| {
+                let [a, b, c] = corners(i).map(|p| at(&grid, p[0], p[1]));
+                // either winding covers the same
+                if i % 2 == 0 { [a, b, c] } else { [a, c, b] }
+            })
+            .collect();
+        let alone: Vec<Vec<u32>> = triangles.iter().map(|t| covered(&grid, std::slice::from_ref(t))).collect();
+        let together = [false, true].map(|backwards| seen(&grid, &triangles, backwards));
+        assert_eq!(together[0], together[1], "fan {fan}: the order matters");
+        for i in 0..SIZE * SIZE {
+            let by: Vec<usize> = (0..count).filter(|t| alone[*t][i] > 0).collect();
+            shared += u32::from(by.len() > 1);
+            assert_eq!(together[0][i], by.first().map_or(NOTHING, |t| *t as u32 + 1), "fan {fan}");
+            // what is inside one of them, reckoned apart, is covered
+            let half = SIZE as f64 / 2.0;
+            let (x, y) = ((i % SIZE) as f64 + 0.5 - half, (i / SIZE) as f64 + 0.5 - half);
+            let inside = (0..count).any(|t| {
+                let side = |k: usize| {
+                    let (a, b) = (corners(t)[k], corners(t)[(k + 1) % 3]);
+                    (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+                };
+                let sides = [side(0), side(1), side(2)];
+                // on the fan's inner edges, too: they are shared
+                let least = if fan % 2 == 0 { 1e-3 } else { 0.0 };
+                sides.iter().all(|s| *s >= least) || sides.iter().all(|s| *s <= -least)
+            });
+            assert!(!by.is_empty() || !inside, "fan {fan}: a hole at {x} {y}");
+        }
+    }
+    assert!(shared > 100, "edges went through few middles: {shared}");
+}
+
+/// The numbers that are seen, of triangles that are drawn in either order.
+fn seen(grid: &Grid, triangles: &[[Vertex; 3]], backwards: bool) -> Vec<u32> {
+    let mut canvas = Canvas::new(*grid);
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    if backwards {
+        order.reverse();
+    }
+    let mut pencil = canvas.pencil();
+    for i in order {
+        let boxed = Boxed::new(grid, triangles[i], i as u32 + 1);
+        if let Some(triangle) = Triangle::new(&boxed).filter(|_| !boxed.is_empty()) {
+            pencil.draw(&triangle, None);
+        }
+    }
+    drop(pencil);
+    let mut numbers = vec![NOTHING; SIZE * SIZE];
+    each_number(&mut canvas, |i, number| numbers[i] = number);
+    numbers
+}
+
+/// Calls `take` with each pixel of a canvas and its number.
+fn each_number(canvas: &mut Canvas, mut take: impl FnMut(usize, u32)) {
+    for square in canvas.squares() {
+        let square = square.get_mut().unwrap();
+        for y in square.first[1]..square.first[1] + square.size[1] {
+            let row = square.row([square.first[0], y], square.size[0] as usize);
+            (square.first[0] as usize..).zip(row).for_each(|(x, number)| take(y as usize * SIZE + x, *number));
+        }
+    }
+}
+
+/// What is cut off at the near plane and around the film covers what rays meet.
+#[test]
+fn clipped_triangles_cover_what_lies_between_near_and_far() {
+    let grid = grid(Projection::Perspective);
+    let film_from_camera = grid.film_from_object(&DAffine3::IDENTITY);
+    let mut seed = 7;
+    let mut cut = 0;
+    for _ in 0..200 {
+        let mut point = |reach: f32| {
+            Vec3::new(noise(&mut seed) as f32 - 0.5, noise(&mut seed) as f32 - 0.5, noise(&mut seed) as f32 - 0.7)
+                * reach
+        };
+        let corners = [point(4.0), point(4.0), point(900.0)];
+        let positions = corners.map(|p| film_from_camera.apply(Point3(p)));
+        cut += u32::from(positions.map(|p| grid.place(p)).iter().any(Vertex::is_off_grid));
+        let mut parts = Vec::new();
+        clip(&grid, positions, |part| parts.push(part));
+        let counts = covered(&grid, &parts);
+        let normal = (corners[1] - corners[0]).as_dvec3().cross((corners[2] - corners[0]).as_dvec3());
+        for (i, n) in counts.iter().enumerate() {
+            let half = SIZE as f64 / 2.0;
+            let pixel = [(i % SIZE) as f64 + 0.5 - half, (i / SIZE) as f64 + 0.5 - half];
+            let ray = DVec3::new(pixel[0] / SIZE as f64, pixel[1] / SIZE as f64, -1.0);
+            let t = corners[0].as_dvec3().dot(normal) / ray.dot(normal);
+            let side = |k: usize| {
+                let (a, b) = (corners[k].as_dvec3(), corners[(k + 1) % 3].as_dvec3());
+                let toward = (b - a).cross(ray * t - a).dot(normal) / normal.length();
+                // distance from the edge
+                toward / (b - a).length()
+            };
+            let least = side(0).min(side(1)).min(side(2)).min(t - 0.1).min(100.0 - t);
+            let margin = 1e-4 * t.abs().max(1.0);
+            if least.abs() > margin {
+                assert_eq!(*n > 0, least > 0.0, "{corners:?} at {pixel:?}: {least}");
+            }
+        }
+    }
+    assert!(cut > 100, "few were cut: {cut}");
+}
+
+#[test]
+fn points_that_are_no_numbers_cover_nothing() {
+    let grid = grid(Projection::Perspective);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let good = Homogeneous { x: 0.0, y: 0.0, distance: 1.0 };
+        let triangle = [good, Homogeneous { x: 9.0, ..good }, Homogeneous { y: bad, ..good }];
+        assert!(grid.place(triangle[2]).is_off_grid());
+        clip(&grid, triangle, |_| panic!("{bad} covers something"));
+    }
+}
+
+/// More points than one batch takes: the same as the path integrator sees.
+#[test]
+fn batches_hide_one_another() {
+    let ids = |integrator: &str| {
+        let session = Session::new();
+        session.set_film(FilmDesc::new(SIZE, SIZE, &[Aov::PrimId, Aov::ElementId]));
+        let camera = Camera {
+            world_from_camera: DAffine3::from_translation(DVec3::new(0.0, 0.0, 30.0)),
+            aperture: DVec2::ONE,
+            focal_length: 1.0,
+            clipping_range: [0.1, 1e4],
+            ..Camera::default()
+        };
+        let (id, word) = (CameraId::new("/camera"), Value::Text(integrator.into()));
+        session.edit(SceneEdit::Camera(id.clone(), camera)).unwrap();
+        session.edit(SceneEdit::RenderCamera(id)).unwrap();
+        session.edit(SceneEdit::Setting("umber:integrator".into(), word)).unwrap();
+        session.edit(SceneEdit::Setting("convergedSamplesPerPixel".into(), Value::Int(1))).unwrap();
+        let mut seed = 3;
+        for i in 0..120 {
+            let points: Vec<Vec3> = (0..12)
+                .map(|_| {
+                    Vec3::new(noise(&mut seed) as f32, noise(&mut seed) as f32, noise(&mut seed) as f32) * 9.0 - 4.5
+                })
+                .collect();
+            let place = DVec3::new(noise(&mut seed) - 0.5, noise(&mut seed) - 0.5, noise(&mut seed) - 0.5) * 16.0;
+            let topology = Topology {
+                scheme: SubdivisionScheme::None,
+                face_vertex_counts: [3; 4].into(),
+                face_vertex_indices: (0..12).collect(),
+                ..Topology::default()
+            };
+            let patch = MeshPatch {
+                topology: Some(Arc::new(topology)),
+                points: Some(points.into()),
+                transform: Some(DAffine3::from_translation(place)),
+                visible: Some(true),
+                prim_id: Some(i),
+                ..MeshPatch::default()
+            };
+            session.edit(SceneEdit::Mesh(MeshId::new(&format!("/m{i}")), Box::new(patch))).unwrap();
+        }
+        session.start();
+        assert!(session.wait(Duration::from_secs(60)));
+        [Aov::PrimId, Aov::ElementId].map(|aov| {
+            let mut out = vec![0u8; SIZE * SIZE * 4];
+            assert!(session.resolve(aov, BufferFormat::Int32, &mut out));
+            bytemuck::cast_slice::<u8, i32>(&out).to_vec()
+        })
+    };
+    let (path, raster) = (ids("path"), ids("raster"));
+    let differing = (0..SIZE * SIZE).filter(|i| path[0][*i] != raster[0][*i] || path[1][*i] != raster[1][*i]).count();
+    assert!(path[0].iter().filter(|id| **id >= 0).count() > SIZE * SIZE / 2);
+    assert!(differing <= 2, "{differing} pixels differ");
+}
