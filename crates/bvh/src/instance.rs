@@ -100,6 +100,14 @@ impl Placed {
     pub fn child_from_parent(&self) -> Option<&DAffine3> {
         (!self.is_identity).then_some(&self.child_from_parent)
     }
+    /// A ray of the group's space, made ready in the child's.
+    #[inline(always)]
+    fn ready(&self, ray: &Ray) -> Option<TraversalRay> {
+        match self.child_from_parent() {
+            None => TraversalRay::new(ray),
+            Some(matrix) => TraversalRay::in_child(ray, matrix),
+        }
+    }
 }
 
 /// Where a path leads: most lead through one level, which is then all there is to know.
@@ -247,13 +255,23 @@ impl InstanceBvh {
     #[inline]
     fn closest(&self, ray: &Ray, level: SimdLevel) -> Option<Hit> {
         let mut search = Search::new(ray.t_max);
-        simd::group_closest(level, self, &TraversalRay::new(ray)?, &mut search);
+        match self.only_mesh() {
+            Some((placed, mesh, number)) => {
+                search.path.push(placed.index);
+                simd::mesh_closest(level, mesh, number, &placed.ready(ray)?, &mut search);
+            }
+            None => simd::group_closest(level, self, &TraversalRay::new(ray)?, &mut search),
+        }
         search.best
     }
 
     #[inline]
     fn any(&self, ray: &Ray, level: SimdLevel) -> bool {
-        TraversalRay::new(ray).is_some_and(|r| simd::group_any(level, self, &r, ray.t_max.next_down()))
+        let limit = ray.t_max.next_down();
+        match self.only_mesh() {
+            Some((placed, mesh, _)) => placed.ready(ray).is_some_and(|r| simd::mesh_any(level, mesh, &r, limit)),
+            None => TraversalRay::new(ray).is_some_and(|r| simd::group_any(level, self, &r, limit)),
+        }
     }
 
     /// The instance at a level of a path that starts at this group; level 0 is the outermost.
@@ -318,12 +336,11 @@ impl InstanceBvh {
         &self.tree
     }
 
-    /// The mesh where it is all there is and stands where it is: then no level of instances is paid for. With
-    /// its number and its instance's.
+    /// The instance where it is all there is, and of a mesh: then no level of instances is paid for.
     #[inline(always)]
-    pub(crate) fn only_mesh(&self) -> Option<(&MeshBvh, u32, u32)> {
+    fn only_mesh(&self) -> Option<(&Placed, &MeshBvh, u32)> {
         match &self.placed[..] {
-            [Placed { child: Child::Mesh { bvh, mesh }, index, is_identity: true, .. }] => Some((bvh, *mesh, *index)),
+            [placed @ Placed { child: Child::Mesh { bvh, mesh }, .. }] => Some((placed, bvh, *mesh)),
             _ => None,
         }
     }

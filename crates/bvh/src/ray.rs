@@ -48,13 +48,19 @@ impl TraversalRay {
         self.sheared.origin[axis]
     }
 
-    /// The same ray in the space of a child; `t` keeps its meaning. In double precision, so that
-    /// children far from their parent's origin lose nothing.
+    /// The same ray in the space of a child; `t` keeps its meaning.
     #[inline(always)]
     pub fn transformed(&self, child_from_parent: &DAffine3) -> Option<Self> {
-        let origin = child_from_parent.transform_point3(self.sheared.origin.as_dvec3()).as_vec3();
-        let direction = child_from_parent.transform_vector3(self.sheared.direction.as_dvec3()).as_vec3();
-        let (origin, direction) = (Point3(origin), Vector3(direction));
-        Self::new(&Ray { origin, direction, t_min: self.t_min, t_max: f32::INFINITY })
+        let (origin, direction) = (Point3(self.sheared.origin), Vector3(self.sheared.direction));
+        Self::in_child(&Ray { origin, direction, t_min: self.t_min, t_max: f32::INFINITY }, child_from_parent)
+    }
+
+    /// A ray in the space of a child; `t` keeps its meaning. In double precision, so that children far from their
+    /// parent's origin lose nothing.
+    #[inline(always)]
+    pub fn in_child(ray: &Ray, child_from_parent: &DAffine3) -> Option<Self> {
+        let origin = child_from_parent.transform_point3(ray.origin.0.as_dvec3()).as_vec3();
+        let direction = child_from_parent.transform_vector3(ray.direction.0.as_dvec3()).as_vec3();
+        Self::new(&Ray { origin: Point3(origin), direction: Vector3(direction), ..*ray })
     }
 }

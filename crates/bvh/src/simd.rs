@@ -199,25 +199,28 @@ macro_rules! on_level {
     };
 }
 
+/// Closest hit in a mesh that the caller numbered `id`.
+#[inline]
+pub(crate) fn mesh_closest(level: SimdLevel, mesh: &MeshBvh, id: u32, ray: &TraversalRay, search: &mut Search) {
+    on_level!(level, mesh_closest(mesh, id, ray, search));
+}
+
+/// Whether anything of a mesh is hit up to and with `limit`.
+#[inline]
+pub(crate) fn mesh_any(level: SimdLevel, mesh: &MeshBvh, ray: &TraversalRay, limit: f32) -> bool {
+    on_level!(level, mesh_any(mesh, ray, limit))
+}
+
 /// Closest hit in a group.
 #[inline]
 pub(crate) fn group_closest(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, search: &mut Search) {
-    match group.only_mesh() {
-        Some((bvh, mesh, index)) => {
-            search.path.push(index);
-            on_level!(level, mesh_closest(bvh, mesh, ray, search));
-        }
-        None => on_level!(level, group_closest(group, ray, search)),
-    }
+    on_level!(level, group_closest(group, ray, search));
 }
 
 /// Whether anything of a group is hit up to and with `limit`.
 #[inline]
 pub(crate) fn group_any(level: SimdLevel, group: &InstanceBvh, ray: &TraversalRay, limit: f32) -> bool {
-    match group.only_mesh() {
-        Some((bvh, ..)) => on_level!(level, mesh_any(bvh, ray, limit)),
-        None => on_level!(level, group_any(group, ray, limit)),
-    }
+    on_level!(level, group_any(group, ray, limit))
 }
 
 /// Calls `visit` with each primitive, by its place in the tree's order, whose box the ray meets up to the limit;

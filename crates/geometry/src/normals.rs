@@ -8,7 +8,7 @@ use crate::TriangleMesh;
 ///
 /// In the space of the points. Computed in double precision, so that slivers far from the origin keep theirs.
 pub fn geometric_normal(p0: Point3, p1: Point3, p2: Point3) -> Normal3 {
-    let [a, b, c] = [p0, p1, p2].map(|p| p.0.as_dvec3());
+    let (a, b, c) = (p0.0.as_dvec3(), p1.0.as_dvec3(), p2.0.as_dvec3());
     Normal3((b - a).cross(c - a).normalize_or_zero().as_vec3())
 }
 

@@ -82,7 +82,7 @@ impl RenderCamera {
         let stretch = direction.length();
         Ray {
             origin: self.render_from_camera.point(Point3(origin.as_vec3())),
-            direction: direction.normalized(),
+            direction: direction / stretch,
             // what lies on the near plane is seen, whatever the rounding
             t_min: self.near * stretch * (1.0 - 16.0 * f32::EPSILON),
             t_max: self.far * stretch,

@@ -131,9 +131,9 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
             sums.resize(pixels, PixelSum::default());
         }
         let sequence = Sequence { seed: goal.seed(scene, half), half };
-        for (i, sum) in sums.iter_mut().enumerate() {
-            let [x, y] = place(i);
-            if x % goal.stride != 0 || y % goal.stride != 0 {
+        let places = (0..rect.height).flat_map(|y| (0..rect.width).map(move |x| [rect.x + x, rect.y + y]));
+        for ([x, y], sum) in places.zip(sums) {
+            if goal.stride > 1 && (x % goal.stride != 0 || y % goal.stride != 0) {
                 continue;
             }
             if stop.late() {
@@ -175,19 +175,24 @@ fn sample(
     let data_min = film.desc().data_window_min;
     // numbered within the whole view, so that a part of it shows the same noise
     let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
-    let mut sampler = Sampler::new(sequence.seed, pixel, number);
-    let is_mirror = scene.settings.integrator == Integrator::Mirror;
-    let in_pixel = if is_mirror && number == 0 && sequence.half == 0 {
-        Vec2::splat(0.5)
-    } else {
+    let sampler = || Sampler::new(sequence.seed, pixel, number);
+    let ray = |in_pixel: Vec2| scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
+    let jittered = |sampler: &mut Sampler| {
         sampler.start_dimension(dimensions::FILM);
-        sampler.next_2d()
+        ray(sampler.next_2d())
     };
-    let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
-    let sample = if is_mirror {
-        mirror::radiance(scene, ray, &mut sampler, rays)
-    } else {
-        path::radiance(scene, ray, &mut sampler, rays)
+    let sample = match scene.settings.integrator {
+        Integrator::Mirror if number == 0 && sequence.half == 0 => {
+            mirror::radiance(scene, ray(Vec2::splat(0.5)), sampler, rays)
+        }
+        Integrator::Mirror => {
+            let mut sampler = sampler();
+            mirror::radiance(scene, jittered(&mut sampler), || sampler, rays)
+        }
+        _ => {
+            let mut sampler = sampler();
+            path::radiance(scene, jittered(&mut sampler), &mut sampler, rays)
+        }
     };
     RadianceSample { radiance: clamped(finite(sample.radiance), scene.settings.firefly_clamp), ..sample }
 }
