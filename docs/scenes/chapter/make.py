@@ -78,6 +78,7 @@ def textbook(splits: int = 1) -> Usd.Stage:
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     sphere = add_mesh(stage, "/Icosphere", *icosphere(splits))
+    sphere.CreateDisplayColorAttr([Gf.Vec3f(0.8)])
     UsdGeom.XformCommonAPI(sphere).SetTranslate(SPHERE)
     camera = UsdGeom.Camera.Define(stage, "/Eye")
     camera.CreateFocalLengthAttr(50.0)

@@ -1,6 +1,6 @@
 """Draws where textbook methods fail, beside what replaces them: the pictures of docs/from-polygon-to-path.md.
 
-    target/venv/usd-core/bin/python tests/accuracy/chapter/figures.py [mean_depth small far leaving]
+    target/venv/usd-core/bin/python tests/accuracy/chapter/figures.py [mean_depth edges small far leaving]
 
 Each picture has the textbook's method on the left and Umber on the right, and prints the number that goes with it. The
 textbook's methods are those of `method.py`, written for whole arrays and in single precision, as renderers compute.
@@ -63,13 +63,14 @@ def intersect(origin: Floats, direction: Floats, corners: Floats) -> Floats:
     to_b, to_c = b - a, c - a
     h = np.cross(direction, to_c)
     determinant = h @ to_b
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         s = origin - a
         u = (s * h).sum(-1) / determinant
         q = np.cross(s, to_b)
         v = (direction * q).sum(-1) / determinant
         t = (q @ to_c if q.ndim > 1 else np.broadcast_to(q @ to_c, determinant.shape)) / determinant
-    hit = (np.abs(determinant) >= EPSILON) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > EPSILON)
+        inside = (u >= 0) & (v >= 0) & (u + v <= 1)
+    hit = (np.abs(determinant) >= EPSILON) & inside & (t > EPSILON)
     return np.where(hit, t, np.float32(np.inf)).astype(np.float32)
 
 
@@ -81,9 +82,8 @@ def nearest(origin: Floats, direction: Floats, world: Floats) -> tuple[Faces, Fl
     return np.where(np.isfinite(best), face, -1).astype(np.int32), best
 
 
-def by_mean_depth() -> Faces:
+def by_mean_depth(corners: NDArray[np.float64]) -> Faces:
     """The polygon that is seen when they are painted from back to front by mean depth."""
-    corners = triangles(1.0, Gf.Vec3d(0)).astype(np.float64)
     order = np.argsort(-np.linalg.norm(corners.mean(1) - [0, 0, 1], axis=-1), kind="stable")
     at, seen = screen(), np.full((SIZE, SIZE), -1, np.int32)
     for face in order:
@@ -138,15 +138,44 @@ def write(name: str, *pictures: Floats) -> None:
     Image.fromarray((encoded * 255 + 0.5).astype(np.uint8)).save(PICTURES / f"{name}.png")
 
 
-def mean_depth() -> None:
-    """Which polygon is in front: by mean depth, by the depth at each pixel, and where the two differ."""
-    left = by_mean_depth()
-    right = np.asarray(umber(textbook(), "elementId", integrator="raster")).reshape(SIZE, SIZE)
+def long_triangles() -> NDArray[np.float64]:
+    """Some that are long, and lean towards the eye and away from it."""
+    random = np.random.default_rng(2)
+    middles = random.uniform((-0.7, -0.7, -5.6), (0.7, 0.7, -4.4), (14, 3))
+    along = random.normal(size=(14, 3))
+    along *= 1.1 / np.linalg.norm(along, axis=-1, keepdims=True)
+    across = np.cross(along, random.normal(size=(14, 3)))
+    across *= 0.25 / np.linalg.norm(across, axis=-1, keepdims=True)
+    return np.stack([middles - along, middles + along - across, middles + along + across], 1)
+
+
+def write_painted(name: str, corners: NDArray[np.float64], stage: Usd.Stage) -> str:
+    """By mean depth, by the depth at each pixel, and where the two differ; says how often they do."""
+    left = by_mean_depth(corners)
+    right = np.asarray(umber(stage, "elementId", integrator="raster")).reshape(SIZE, SIZE)
     differ = left != right
-    print(f"mean_depth: the wrong polygon in {np.count_nonzero(differ)} of {np.count_nonzero(left >= 0)} pixels")
     marked = colors(right) * np.float32(0.25) + np.float32(0.75)
     marked[differ] = (0.9, 0.0, 0.0)
-    write("mean_depth", colors(left), colors(right), marked)
+    write(name, colors(left), colors(right), marked)
+    return f"{np.count_nonzero(differ)} of {np.count_nonzero(right >= 0)} pixels"
+
+
+def mean_depth() -> None:
+    """Long triangles, of which no single number says which is in front."""
+    corners, stage = long_triangles(), textbook()
+    mesh = UsdGeom.Mesh.Get(stage, "/Icosphere")
+    points = [Gf.Vec3f(*corner) for corner in (corners - np.array(SPHERE)).reshape(-1, 3).tolist()]
+    mesh.GetPointsAttr().Set(points)
+    mesh.GetFaceVertexCountsAttr().Set([3] * len(corners))
+    mesh.GetFaceVertexIndicesAttr().Set(list(range(len(points))))
+    mesh.CreateDoubleSidedAttr(True)
+    print(f"mean_depth: the wrong triangle in {write_painted('mean_depth', corners, stage)}")
+
+
+def edges() -> None:
+    """The sphere, on which a triangle of the two beside an edge is taken by one rule or another."""
+    corners = triangles(1.0, Gf.Vec3d(0)).astype(np.float64)
+    print(f"edges: another triangle in {write_painted('edges', corners, textbook())}")
 
 
 def small() -> None:
@@ -160,8 +189,8 @@ def small() -> None:
 
 
 def far() -> None:
-    """Everything a million units from the origin."""
-    place = Gf.Vec3d(1e6, 0, 0)
+    """Everything four million units from the origin."""
+    place = Gf.Vec3d(4e6, 0, 0)
     left, _ = nearest(*rays(1.0, place), triangles(1.0, place))
     left = left.reshape(SIZE, SIZE)
     right = np.asarray(umber(moved(1.0, place), "elementId", integrator="mirror")).reshape(SIZE, SIZE)
@@ -200,7 +229,7 @@ def leaving() -> None:
     write("leaving", left.reshape(SIZE, SIZE, 3).astype(np.float32), right.astype(np.float32))
 
 
-FIGURES: dict[str, Callable[[], None]] = {f.__name__: f for f in (mean_depth, small, far, leaving)}
+FIGURES: dict[str, Callable[[], None]] = {f.__name__: f for f in (mean_depth, edges, small, far, leaving)}
 
 
 def main() -> None:
