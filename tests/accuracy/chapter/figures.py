@@ -184,7 +184,9 @@ def small() -> None:
     left, _ = nearest(*rays(scale, Gf.Vec3d(0)), triangles(scale, Gf.Vec3d(0)))
     left = left.reshape(SIZE, SIZE)
     right = np.asarray(umber(moved(scale, Gf.Vec3d(0)), "elementId", integrator="mirror")).reshape(SIZE, SIZE)
-    print(f"small: {np.count_nonzero((left < 0) & (right >= 0))} of {np.count_nonzero(right >= 0)} pixels missed")
+    seen, missed = right >= 0, (left < 0) & (right >= 0)
+    behind = np.count_nonzero(seen & ~missed & (left != right))
+    print(f"small: {np.count_nonzero(missed)} of {np.count_nonzero(seen)} pixels see nothing, {behind} another triangle")
     write("small", colors(left), colors(right))
 
 

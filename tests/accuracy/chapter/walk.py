@@ -14,7 +14,7 @@ from pathlib import Path
 
 from figures import ROOT, SIZE
 from make import lit, textbook
-from measure import processor
+from measure import THREADS, processor
 from pxr import Usd, UsdGeom
 from umber import Session
 from umber.feed import feed
@@ -50,7 +50,7 @@ def steps() -> list[tuple[str, Usd.Stage, dict[str, str]]]:
 def session_of(stage: Usd.Stage, settings: dict[str, str]) -> Session:
     """A session that has a stage, seen by its eye."""
     session = Session()
-    for key, value in {"enableInteractive": "false", **settings}.items():
+    for key, value in {"enableInteractive": "false", "umber:threads": str(THREADS), **settings}.items():
         session.set(key, value)
     moment = Usd.TimeCode.EarliestTime()
     session.camera(read_camera(UsdGeom.Camera.Get(stage, "/Eye"), moment))
