@@ -6,7 +6,7 @@ use crate::aov::Aov;
 use crate::format::Pixel;
 
 /// Beyond what single precision can tell of squares.
-const LARGEST_VARIANCE: f64 = 1e40;
+const LARGEST_VARIANCE: f64 = 1e60;
 
 /// What all samples of a pixel, or of one half of it, add up to.
 #[derive(Clone, Copy, Debug, Default)]
