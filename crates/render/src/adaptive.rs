@@ -224,6 +224,16 @@ mod tests {
     }
 
     #[test]
+    fn a_sample_beyond_all_measure_gets_its_pixel_more() {
+        let film = pilot_film([0.8, 0.8]);
+        for half in 0..2 {
+            film.tile(0).halves[half][0].add(Rgb::splat(1e25), 1.0, 1);
+        }
+        let plan = plan(&film, 0.002, 1000);
+        assert_eq!(plan.counts(0, 0), [500, 500]);
+    }
+
+    #[test]
     fn each_half_is_decided_by_the_other() {
         let film = pilot_film([0.8, 0.2]);
         let plan = plan(&film, 0.001, 1 << 20);

@@ -44,6 +44,10 @@ impl Clusters {
         Self { triangles, bounds }
     }
 
+    /// Bytes they take.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.triangles) + size_of_val(&*self.bounds)
+    }
     /// How many groups there are.
     pub fn len(&self) -> usize {
         self.bounds.len()

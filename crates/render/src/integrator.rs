@@ -194,7 +194,12 @@ fn sample(
             path::radiance(scene, jittered(&mut sampler), &mut sampler, rays)
         }
     };
-    RadianceSample { radiance: clamped(finite(sample.radiance), scene.settings.firefly_clamp), ..sample }
+    RadianceSample { radiance: kept(scene, sample.radiance), ..sample }
+}
+
+/// What a pixel keeps of a sample's radiance.
+fn kept(scene: &RenderScene, radiance: Rgb) -> Rgb {
+    clamped(finite(radiance), scene.settings.firefly_clamp)
 }
 
 /// The same hue, with no channel above `largest`; 0 is no bound.

@@ -39,7 +39,8 @@ impl MeshShape {
     }
     /// Bytes it takes.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.points) + self.mesh.memory_bytes() + self.bvh.memory_bytes()
+        let clusters = self.clusters.get().map_or(0, Clusters::memory_bytes);
+        size_of_val(&*self.points) + self.mesh.memory_bytes() + self.bvh.memory_bytes() + clusters
     }
 }
 

@@ -51,7 +51,7 @@ settings! {
     converged_samples_per_pixel: u32 = 64, "convergedSamplesPerPixel", Some((1.0, 16_777_216.0)),
         "Samples Per Pixel", "Samples a pixel at which the picture is finished.";
     converged_variance: f32 = -1.0, "convergedVariance", Some((-1.0, 1.0)),
-        "Variance Threshold", "Mean relative variance of the pixels at which the picture is finished earlier, with as few samples as that takes, more where the error is, without bias; negative: every pixel gets the same.";
+        "Variance Threshold", "Mean relative variance of the pixels at which the picture is finished earlier, with more samples where the error is, as cheaply as that can be had, without bias; negative: every pixel gets the same.";
     time_limit: f32 = 0.0, "umber:timeLimit", Some((0.0, 31_536_000.0)),
         "Time Limit", "Seconds of rendering after which the picture is finished as it stands; 0: no limit.";
     enable_interactive: bool = true, "enableInteractive", None,

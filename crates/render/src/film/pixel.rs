@@ -5,6 +5,9 @@ use glam::DVec3;
 use crate::aov::Aov;
 use crate::format::Pixel;
 
+/// Beyond what single precision can tell of squares.
+const LARGEST_VARIANCE: f64 = 1e60;
+
 /// What all samples of a pixel, or of one half of it, add up to.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelSum {
@@ -45,7 +48,8 @@ impl PixelSum {
     pub fn variance(&self) -> DVec3 {
         let (mean, n) = (self.radiance(), f64::from(self.samples.max(1)));
         let squares = DVec3::from(self.squares.map(f64::from)) / n;
-        (squares - mean * mean).max(DVec3::ZERO) * (n / (n - 1.0).max(1.0))
+        // one sample whose square is beyond single precision must not make sums over pixels infinite
+        (squares - mean * mean).clamp(DVec3::ZERO, DVec3::splat(LARGEST_VARIANCE)) * (n / (n - 1.0).max(1.0))
     }
     /// What one sample costs, in rays that meet something: one that leaves the scene at once costs about a fourth.
     pub fn cost(&self) -> f64 {

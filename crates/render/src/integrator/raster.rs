@@ -46,10 +46,13 @@ pub fn settings(given: &Settings) -> Settings {
 /// How many pixels were given one.
 pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
     let grid = Grid::new(scene.camera.view(), film.desc().width, film.desc().height);
-    let placements = placement::visible(scene, &grid);
+    let placements = placement::visible(scene, &grid, stop);
     let batches = Batch::all(scene, &placements);
     let (mut canvas, mut vertices) = (Canvas::new(grid), Vec::new());
     for (i, batch) in batches.iter().enumerate() {
+        if stop.now() {
+            return 0;
+        }
         if i > 0 {
             canvas.squares().par_iter_mut().for_each(|square| own(square).end_batch(&batches[i - 1]));
         }
@@ -80,7 +83,7 @@ fn project(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &St
         points.par_iter().with_min_len(POINTS_A_PIECE).map(place).collect()
     };
     // here, where all threads are at work
-    placements.par_iter().for_each(|placement| _ = placement.mesh(scene).shape.clusters());
+    placements.par_iter().filter(|_| !stop.now()).for_each(|placement| _ = placement.mesh(scene).shape.clusters());
     placements.par_iter().map(projected).collect()
 }
 

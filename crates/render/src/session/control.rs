@@ -209,9 +209,12 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Takes the film that is shown away, if nobody reads it; an empty one is then shown.
-    pub fn take_film(&self) -> Option<Film> {
-        Arc::try_unwrap(std::mem::take(&mut *lock(&self.film))).ok()
+    /// Shows an empty film, in the memory of the one before if nobody reads that; who asks meanwhile waits.
+    pub fn renew_film(&self, desc: FilmDesc) -> Arc<Film> {
+        let mut shown = lock(&self.film);
+        let old = Arc::try_unwrap(std::mem::take(&mut *shown)).ok();
+        *shown = Arc::new(Film::renewed(desc, old));
+        Arc::clone(&shown)
     }
 
     /// Shows a new film in place of the old one.

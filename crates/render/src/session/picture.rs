@@ -143,7 +143,10 @@ impl Picture {
             });
         };
         if self.is_rasterised() {
+            // a part of it would be no picture: it is not ended for the time
+            let stop = Stop { deadline: None, ..stop };
             let samples = pool.install(|| raster::render(&self.scene, &self.film, &stop));
+            self.samples.store(0, Ordering::Relaxed);
             worked(TileWork { rays: 0, samples });
         } else {
             // each thread takes the next tile: all work side by side, and none waits longer than for one tile

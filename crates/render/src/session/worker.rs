@@ -78,8 +78,7 @@ impl Worker {
         let compiler = &mut self.compiler;
         let compile = || compiler.compile(&store, dirty, desc, shared.cancelled(), &mut |message| shared.say(message));
         let scene = pool.install(compile)?;
-        let film = Arc::new(Film::renewed(desc.clone(), shared.take_film()));
-        shared.show(Arc::clone(&film));
+        let film = shared.renew_film(desc.clone());
         self.describe(shared, &scene, &film, started.elapsed().as_secs_f64());
         Ok(Picture::new(epoch, scene, film))
     }

@@ -279,8 +279,8 @@ impl Light {
     /// everywhere. Then it is not chosen, and costs no shadow rays.
     pub fn is_left_to_rays(&self) -> bool {
         let is_plain = |dome: &DomeLight| !dome.has_texture() && dome.portals.is_none();
-        let shaped = self.emission().shadow_linked || self.found_by_samples_alone();
-        matches!(self, Self::Dome(dome) if is_plain(dome) && !shaped)
+        let odd_shadows = self.emission().shadow_linked || self.found_by_samples_alone();
+        matches!(self, Self::Dome(dome) if is_plain(dome) && !odd_shadows)
     }
     /// Whether the camera sees the light itself.
     #[inline]

@@ -110,7 +110,8 @@ impl LightSampler {
         // Relative to the brightest, so that sums stay finite.
         let irradiance_scale = 1.0 / (PI * (scene_radius * scene_radius).max(f32::MIN_POSITIVE));
         let weight = |l: &Light| if l.is_infinite() { power(l) * irradiance_scale } else { power(l) / (4.0 * PI) };
-        let brightest = lights.iter().map(weight).filter(|w| w.is_finite()).fold(0f32, f32::max);
+        let chosen = lights.iter().filter(|l| !l.is_left_to_rays());
+        let brightest = chosen.map(weight).filter(|w| w.is_finite()).fold(0f32, f32::max);
         let (mut infinite, mut emitters, mut slots) = (Vec::new(), Vec::new(), Vec::new());
         for (index, light) in lights.iter().enumerate() {
             let (index, w) = (index as u32, weight(light) / brightest);

@@ -5,6 +5,7 @@ use umber_bvh::{Child, InstanceBvh, InstancePath, MAX_DEPTH};
 use umber_math::{Bounds3, DAffine3};
 use umber_scene::CulledFaces;
 
+use super::super::Stop;
 use super::project::{FilmFromObject, Grid};
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
@@ -35,10 +36,11 @@ impl Placement {
     }
 }
 
-/// All meshes that may be on the film, in the order of their paths.
-pub fn visible(scene: &RenderScene, grid: &Grid) -> Vec<Placement> {
+/// All meshes that may be on the film, in the order of their paths; some where stopped.
+pub fn visible(scene: &RenderScene, grid: &Grid, stop: &Stop<'_>) -> Vec<Placement> {
     let mut walk = Walk {
         scene,
+        stop,
         grid,
         mirrored: scene.camera.view().mirrored,
         may_be_absent: scene.meshes.iter().map(|m| scene.partly_present && m.may_be_absent(&scene.materials)).collect(),
@@ -50,6 +52,7 @@ pub fn visible(scene: &RenderScene, grid: &Grid) -> Vec<Placement> {
 
 struct Walk<'a> {
     scene: &'a RenderScene,
+    stop: &'a Stop<'a>,
     grid: &'a Grid,
     /// Whether the camera is.
     mirrored: bool,
@@ -65,6 +68,9 @@ impl Walk<'_> {
         }
         let mut skipped = group.skipped().iter().peekable();
         for (index, instance) in (0..).zip(group.instances()) {
+            if self.stop.now() {
+                return;
+            }
             if skipped.next_if_eq(&&index).is_some() {
                 continue;
             }

@@ -80,7 +80,7 @@ impl Grid {
         // half the film, and as much again around it
         let guard_bits = usize::BITS - width.max(height).max(2).leading_zeros();
         let is_perspective = view.projection == Projection::Perspective;
-        let near = if is_perspective { (view.near * NEAR_SLACK).max(LEAST_DISTANCE) } else { view.near.max(0.0) };
+        let near = (view.near * NEAR_SLACK).max(if is_perspective { LEAST_DISTANCE } else { 0.0 });
         Self {
             width: width as i32,
             height: height as i32,

@@ -1,9 +1,11 @@
 //! Colours, and what AOVs keep, of what is seen.
 
 use umber_bvh::Hit;
+use umber_geometry::geometric_normal;
 use umber_math::{Normal3, Point3, Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
+use super::super::kept;
 use super::numbers::{Batch, Seen};
 use super::placement::Placement;
 use super::project::{Grid, Homogeneous, Vertex};
@@ -166,7 +168,7 @@ impl<'a> Shader<'a> {
         }
         sums.extend(self.facing.iter().zip(&self.which).map(
             |(facing, which)| match self.triangles.get(*which as usize) {
-                Some(triangle) => PixelSum::of(facing.base + triangle.emission, 1.0),
+                Some(triangle) => PixelSum::of(kept(self.scene, facing.base + triangle.emission), 1.0),
                 None => PixelSum::of(Rgb::BLACK, 0.0),
             },
         ));
@@ -300,9 +302,9 @@ impl Triangle<'_> {
     }
 }
 
-/// Of a triangle, object space, not of unit length.
+/// Of a triangle of any size, unit, object space.
 fn face_normal([a, b, c]: [Point3; 3]) -> Vec3 {
-    (b.0 - a.0).cross(c.0 - a.0)
+    geometric_normal(a, b, c).0
 }
 
 /// The barycentrics at a film position from the film's middle; each between 0 and 1.

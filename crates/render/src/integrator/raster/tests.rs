@@ -1,4 +1,4 @@
-//! Coverage on the grid, and batches; what pictures show is tested through sessions (`tests/raster.rs`).
+//! Coverage on the grid, and batches; what pictures show is tested through sessions (`tests/integrators.rs`).
 
 use std::sync::Arc;
 use std::time::Duration;
