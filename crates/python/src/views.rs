@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 
 use numpy::ndarray::Array3;
-use numpy::{PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray};
+use numpy::{IntoPyArray, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use umber_render::Aov;
@@ -25,9 +25,10 @@ fn picture<'py, T>(py: Python<'py>, rows: &[T], [height, width, components]: [us
 where
     T: numpy::Element + Clone,
 {
-    let from_top = rows.chunks_exact((width * components).max(1)).rev().flatten().cloned().collect();
+    let mut from_top = Vec::with_capacity(rows.len());
+    rows.chunks_exact((width * components).max(1)).rev().for_each(|row| from_top.extend_from_slice(row));
     let array = Array3::from_shape_vec([height, width, components], from_top).map_err(|e| bad_value(e.to_string()))?;
-    Ok(array.to_pyarray(py).into_any())
+    Ok(array.into_pyarray(py).into_any())
 }
 
 /// An AOV as it stands: float32 or int32, shape (height, width, components), row 0 at the top.

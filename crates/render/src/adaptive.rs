@@ -144,8 +144,8 @@ fn spread(film: &Film, half: usize) -> Vec<Spread> {
         let tile = film.tile(index);
         for i in 0..tile.rect.width * tile.rect.height {
             let at = (tile.rect.y + i / tile.rect.width) * width + tile.rect.x + i % tile.rect.width;
-            let sum = tile.sums(i)[half];
-            (means[at], variances[at], costs[at]) = (sum.radiance(), sum.variance(), sum.cost());
+            let (sum, spread) = tile.halves[half].pixel(i);
+            (means[at], variances[at], costs[at]) = (sum.radiance(), spread.variance(&sum), spread.cost(&sum));
         }
     }
     let mean = means.iter().sum::<DVec3>() / means.len().max(1) as f64;
@@ -185,7 +185,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{FilmDesc, PixelSum};
+    use crate::film::FilmDesc;
     use crate::{Aov, film};
     use umber_math::Rgb;
 
@@ -196,15 +196,13 @@ mod tests {
             let mut tile = film.tile(index);
             let rect = tile.rect;
             for (half, noisy) in noisy.into_iter().enumerate() {
-                let sums = (0..film::TILE * film::TILE).map(|i| {
+                tile.halves[half].prepare(film::TILE * film::TILE, true);
+                for i in 0..film::TILE * film::TILE {
                     let spread = if rect.x + i % rect.width < 32 { 0.1 } else { noisy };
-                    let mut sum = PixelSum::default();
-                    for k in 0..8 {
-                        sum.add(Rgb::splat(if k % 2 == 0 { 1.0 + spread } else { 1.0 - spread }), 1.0, 1);
+                    for sign in [1.0, -1.0].repeat(4) {
+                        tile.halves[half].add(i, Rgb::splat(1.0 + sign * spread), 1.0, 1);
                     }
-                    sum
-                });
-                tile.halves[half] = sums.collect();
+                }
             }
         }
         film
@@ -227,7 +225,7 @@ mod tests {
     fn a_sample_beyond_all_measure_gets_its_pixel_more() {
         let film = pilot_film([0.8, 0.8]);
         for half in 0..2 {
-            film.tile(0).halves[half][0].add(Rgb::splat(1e25), 1.0, 1);
+            film.tile(0).halves[half].add(0, Rgb::splat(1e25), 1.0, 1);
         }
         let plan = plan(&film, 0.002, 1000);
         assert_eq!(plan.counts(0, 0), [500, 500]);

@@ -1,6 +1,7 @@
 //! The film: what the samples add up to, tile by tile, readable while it is written.
 
 mod pixel;
+mod tile;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -8,10 +9,11 @@ use glam::DVec3;
 use umber_math::Rgb;
 
 use crate::aov::{Accumulation, Aov};
-use crate::format::{BufferFormat, Pixel};
+use crate::format::BufferFormat;
 
 pub(crate) use pixel::{CenterHit, PixelSum};
-use pixel::{decode, encode};
+use pixel::{PixelSpread, encode};
+pub(crate) use tile::{Tile, TileRect};
 
 /// Edge of a tile, pixels.
 pub const TILE: usize = 16;
@@ -71,47 +73,6 @@ impl FilmDesc {
     }
 }
 
-/// Pixels of one tile, row by row.
-#[derive(Debug)]
-pub(crate) struct Tile {
-    /// First column and row, and how many of them.
-    pub rect: TileRect,
-    /// One sum a pixel, in two halves that share no sample; a half is empty until it has samples.
-    pub halves: [Vec<PixelSum>; 2],
-    /// Values of the AOVs seen through pixel middles, in the order of the film's description, as
-    /// floats or bits of integers; empty until they are known.
-    centers: Vec<Vec<[u32; 3]>>,
-}
-
-impl Tile {
-    /// Whether what is seen through pixel middles is known.
-    pub fn has_centers(&self) -> bool {
-        !self.centers.is_empty()
-    }
-    /// The sums of both halves of pixel `i`.
-    pub fn sums(&self, i: usize) -> [PixelSum; 2] {
-        self.halves.each_ref().map(|half| half.get(i).copied().unwrap_or_default())
-    }
-    /// Colour of pixel `i` over `clear`. A pixel that has no sample shows the nearest one below and to
-    /// the left that a coarser grid of first samples took.
-    fn color(&self, i: usize, clear: [f32; 4]) -> [f32; 4] {
-        let (x, y) = (i % self.rect.width, i / self.rect.width);
-        let at = |stride: usize| pixel::mean(self.sums(y / stride * stride * self.rect.width + x / stride * stride));
-        let Some(mean) = at(1).or_else(|| COARSE.iter().rev().find_map(|stride| at(*stride))) else { return clear };
-        let behind = 1.0 - mean[3];
-        std::array::from_fn(|i| mean[i] + behind * clear[i])
-    }
-}
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct TileRect {
-    pub x: usize,
-    pub y: usize,
-    pub width: usize,
-    pub height: usize,
-}
-
 /// A film. Any thread may read while others render: a tile is locked only to copy it.
 #[derive(Debug)]
 pub struct Film {
@@ -131,7 +92,7 @@ impl Film {
         let tile = |i: usize| {
             let (x, y) = (i % columns * TILE, i / columns * TILE);
             let rect = TileRect { x, y, width: TILE.min(desc.width - x), height: TILE.min(desc.height - y) };
-            Mutex::new(Tile { rect, halves: [Vec::new(), Vec::new()], centers: Vec::new() })
+            Mutex::new(Tile::new(rect))
         };
         let tiles = (0..columns * rows).map(tile).collect();
         Self { desc, centers, columns, tiles }
@@ -141,8 +102,7 @@ impl Film {
         let Some(mut film) = old.filter(|old| old.desc == desc) else { return Self::new(desc) };
         for tile in &mut film.tiles {
             let tile = tile.get_mut().unwrap_or_else(PoisonError::into_inner);
-            tile.halves.iter_mut().for_each(Vec::clear);
-            tile.centers.clear();
+            tile.clear();
         }
         film
     }
@@ -168,13 +128,14 @@ impl Film {
     /// Keeps what is seen through pixel middles of a tile: `None` where nothing is.
     pub(crate) fn set_centers(&self, index: usize, hits: &[Option<CenterHit>]) {
         let planes = self.centers.iter().map(|aov| hits.iter().map(|hit| encode(*aov, hit.as_ref())).collect());
-        self.tile(index).centers = planes.collect();
+        self.tile(index).set_centers(planes.collect());
     }
 
     /// Bytes it takes once every pixel has samples, in `halves` halves.
     pub fn memory_bytes(&self, halves: usize) -> usize {
         let pixels = self.desc.width * self.desc.height;
-        pixels * (halves * size_of::<PixelSum>() + self.centers.len() * size_of::<[u32; 3]>())
+        let spread = if halves > 1 { size_of::<PixelSpread>() } else { 0 };
+        pixels * (halves * (size_of::<PixelSum>() + spread) + self.centers.len() * size_of::<[u32; 3]>())
     }
 
     /// Mean over pixels and channels of the variance of a pixel, as the difference of its halves shows it,
@@ -182,7 +143,7 @@ impl Film {
     /// have no two halves.
     pub fn mean_relative_variance(&self) -> Option<f64> {
         let tiles = || (0..self.tiles.len()).map(|t| self.tile(t));
-        if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(Vec::is_empty)) {
+        if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(|half| half.sums.is_empty())) {
             return None;
         }
         let over = |value: &dyn Fn([DVec3; 2]) -> f64| {
@@ -207,16 +168,20 @@ impl Film {
             return false;
         }
         let plane = self.centers.iter().position(|a| *a == aov);
+        let mut colors = [[0.0; 4]; TILE];
         for index in 0..self.tiles.len() {
             let tile = self.tile(index);
-            for i in 0..tile.rect.width * tile.rect.height {
-                let (x, y) = (tile.rect.x + i % tile.rect.width, tile.rect.y + i / tile.rect.width);
-                let at = (y * self.desc.width + x) * bytes;
-                let pixel = match plane {
-                    Some(plane) => decode(aov, tile.centers.get(plane).map(|p| p[i])),
-                    None => Pixel::Float(tile.color(i, self.desc.clear_color), 4),
-                };
-                format.write(pixel, &mut out[at..at + bytes]);
+            let TileRect { x, y, width, height } = tile.rect;
+            for row in 0..height {
+                let at = ((y + row) * self.desc.width + x) * bytes;
+                let out = &mut out[at..at + width * bytes];
+                match plane {
+                    Some(plane) => tile.write_centers(row, aov, plane, format, out),
+                    None => {
+                        tile.row_colors(row, self.desc.clear_color, &mut colors[..width]);
+                        format.write_row(&colors[..width], out);
+                    }
+                }
             }
         }
         true
@@ -253,6 +218,7 @@ pub(crate) fn luminance(radiance: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec4;
 
     #[test]
     fn mean_goes_over_the_clear_color() {
@@ -262,9 +228,9 @@ mod tests {
         {
             let mut tile = film.tile(1);
             assert_eq!(tile.rect, TileRect { x: 16, y: 0, width: 4, height: 3 });
-            tile.halves[0] = vec![PixelSum::default(); 12];
-            tile.halves[0][4].add(Rgb::new(1.0, 0.0, 0.0), 1.0, 1);
-            tile.halves[0][4].add(Rgb::BLACK, 0.0, 1);
+            tile.halves[0].prepare(12, false);
+            tile.halves[0].add(4, Rgb::new(1.0, 0.0, 0.0), 1.0, 1);
+            tile.halves[0].add(4, Rgb::BLACK, 0.0, 1);
         }
         let mut out = vec![0u8; 20 * 3 * 16];
         assert!(film.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
@@ -276,30 +242,15 @@ mod tests {
         assert!(!film.resolve(Aov::Depth, BufferFormat::Float32, &mut ids));
     }
     #[test]
-    fn pixels_without_samples_show_the_coarse_grid() {
-        let film = Film::new(FilmDesc::new(16, 16, &[Aov::Color]));
-        {
-            let mut tile = film.tile(0);
-            tile.halves[0] = vec![PixelSum::default(); 256];
-            for (x, y, v) in [(0, 0, 1.0), (8, 0, 2.0), (0, 8, 3.0), (8, 8, 4.0), (12, 8, 5.0)] {
-                tile.halves[0][y * 16 + x].add(Rgb::splat(v), 1.0, 1);
-            }
-        }
-        let tile = film.tile(0);
-        let at = |x: usize, y: usize| tile.color(y * 16 + x, [0.0; 4])[0];
-        assert_eq!([at(7, 7), at(9, 3), at(2, 15), at(11, 9), at(15, 11)], [1.0, 2.0, 3.0, 4.0, 5.0]);
-    }
-
-    #[test]
     fn halves_count_the_same() {
         let mut halves = [PixelSum::default(); 2];
         assert_eq!(pixel::mean(halves), None);
-        halves[0].add(Rgb::splat(1.0), 1.0, 1);
-        assert_eq!(pixel::mean(halves), Some([1.0; 4]));
+        halves[0].add(Rgb::splat(1.0), 1.0);
+        assert_eq!(pixel::mean(halves), Some(Vec4::ONE));
         for _ in 0..3 {
-            halves[1].add(Rgb::splat(2.0), 1.0, 1);
+            halves[1].add(Rgb::splat(2.0), 1.0);
         }
-        assert_eq!(pixel::mean(halves), Some([1.5, 1.5, 1.5, 1.0]));
+        assert_eq!(pixel::mean(halves), Some(Vec4::new(1.5, 1.5, 1.5, 1.0)));
     }
 
     #[test]

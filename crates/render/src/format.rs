@@ -67,8 +67,18 @@ impl BufferFormat {
         matches!(self.parts().0, Component::Int32)
     }
 
+    /// Writes pixels that are colours.
+    pub(crate) fn write_row(self, colors: &[[f32; 4]], out: &mut [u8]) {
+        if self == Self::Float32Vec4 {
+            return out.copy_from_slice(bytemuck::cast_slice(colors));
+        }
+        for (color, out) in colors.iter().zip(out.chunks_exact_mut(self.bytes())) {
+            self.write(Pixel::Float(*color, 4), out);
+        }
+    }
     /// Writes one pixel. Missing components are zero, an alpha that is missing is one; what the
     /// format has no room for is dropped.
+    #[inline]
     pub(crate) fn write(self, value: Pixel, out: &mut [u8]) {
         let (component, count) = self.parts();
         for i in 0..count {

@@ -15,7 +15,7 @@ use umber_sampling::Sampler;
 use umber_settings::{Integrator, Settings};
 
 use crate::adaptive::{self, Plan};
-use crate::film::{Film, PixelSum};
+use crate::film::Film;
 use crate::scene::RenderScene;
 
 /// The settings as the chosen integrator takes them.
@@ -126,13 +126,13 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
         let hits: Vec<_> = (0..pixels).map(|i| center::trace(scene, place(i), &mut work.rays)).collect();
         film.set_centers(tile, &hits);
     }
-    'halves: for (half, sums) in (0..).zip(&mut halves) {
+    'halves: for (half, samples) in (0..).zip(&mut halves) {
         if goal.counts(rect.x, rect.y)[half as usize] > 0 {
-            sums.resize(pixels, PixelSum::default());
+            samples.prepare(pixels, !matches!(goal.target, Target::Even));
         }
         let sequence = Sequence { seed: goal.seed(scene, half), half };
-        let places = (0..rect.height).flat_map(|y| (0..rect.width).map(move |x| [rect.x + x, rect.y + y]));
-        for ([x, y], sum) in places.zip(sums) {
+        for i in 0..samples.sums.len() {
+            let [x, y] = place(i);
             if goal.stride > 1 && (x % goal.stride != 0 || y % goal.stride != 0) {
                 continue;
             }
@@ -140,13 +140,13 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
                 break 'halves;
             }
             let count = goal.counts(x, y)[half as usize];
-            while sum.samples < count {
+            while samples.sums[i].samples < count {
                 if stop.cancelled() {
                     break 'halves;
                 }
                 let mut rays = 0;
-                let sample = sample(scene, film, sequence, [x, y], sum.samples, &mut rays);
-                sum.add(sample.radiance, sample.coverage, rays as u32);
+                let sample = sample(scene, film, sequence, [x, y], samples.sums[i].samples, &mut rays);
+                samples.add(i, sample.radiance, sample.coverage, rays as u32);
                 work.rays += rays;
                 work.samples += 1;
             }

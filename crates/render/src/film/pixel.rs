@@ -1,6 +1,7 @@
 //! What a pixel keeps: the sum of its samples, and what is seen through its middle.
 
-use glam::DVec3;
+use glam::{DVec3, Vec4};
+use umber_math::Rgb;
 
 use crate::aov::Aov;
 use crate::format::Pixel;
@@ -13,60 +14,103 @@ const LARGEST_VARIANCE: f64 = 1e60;
 pub(crate) struct PixelSum {
     /// Sum of radiance and coverage.
     pub color: [f32; 4],
-    /// Sum of squared radiance.
-    pub squares: [f32; 3],
     /// How many samples.
     pub samples: u32,
-    /// Rays that they took.
-    pub rays: u32,
 }
 
 impl PixelSum {
-    /// One sample that took no rays.
-    pub fn of(rgb: umber_math::Rgb, coverage: f32) -> Self {
-        let mut sum = Self::default();
-        sum.add(rgb, coverage, 0);
-        sum
+    /// One sample.
+    pub fn of(rgb: Rgb, coverage: f32) -> Self {
+        Self { color: [rgb.0.x, rgb.0.y, rgb.0.z, coverage], samples: 1 }
     }
-    /// Adds a sample that took some rays.
-    pub fn add(&mut self, rgb: umber_math::Rgb, coverage: f32, rays: u32) {
+    /// Adds a sample.
+    pub fn add(&mut self, rgb: Rgb, coverage: f32) {
         for (sum, v) in self.color.iter_mut().zip([rgb.0.x, rgb.0.y, rgb.0.z, coverage]) {
             *sum += v;
         }
-        for (sum, v) in self.squares.iter_mut().zip(rgb.0.to_array()) {
-            *sum += v * v;
-        }
         self.samples += 1;
-        self.rays = self.rays.saturating_add(rays);
     }
     /// Mean radiance, channel by channel; 0 without samples.
     pub fn radiance(&self) -> DVec3 {
         let [r, g, b, _] = self.color.map(f64::from);
         DVec3::new(r, g, b) / f64::from(self.samples.max(1))
     }
+    /// Mean radiance and coverage; not a number without samples.
+    #[inline]
+    pub fn mean(&self) -> Vec4 {
+        Vec4::from(self.color) / self.samples as f32
+    }
+}
+
+/// What the same samples tell about how many more there should be.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PixelSpread {
+    /// Sum of squared radiance.
+    squares: [f32; 3],
+    /// Rays that the samples took.
+    rays: u32,
+}
+
+impl PixelSpread {
+    /// Adds a sample that took some rays.
+    pub fn add(&mut self, rgb: Rgb, rays: u32) {
+        for (sum, v) in self.squares.iter_mut().zip(rgb.0.to_array()) {
+            *sum += v * v;
+        }
+        self.rays = self.rays.saturating_add(rays);
+    }
     /// Variance of one sample's radiance, channel by channel, as the samples show it.
-    pub fn variance(&self) -> DVec3 {
-        let (mean, n) = (self.radiance(), f64::from(self.samples.max(1)));
+    pub fn variance(&self, sum: &PixelSum) -> DVec3 {
+        let (mean, n) = (sum.radiance(), f64::from(sum.samples.max(1)));
         let squares = DVec3::from(self.squares.map(f64::from)) / n;
         // one sample whose square is beyond single precision must not make sums over pixels infinite
         (squares - mean * mean).clamp(DVec3::ZERO, DVec3::splat(LARGEST_VARIANCE)) * (n / (n - 1.0).max(1.0))
     }
     /// What one sample costs, in rays that meet something: one that leaves the scene at once costs about a fourth.
-    pub fn cost(&self) -> f64 {
-        (f64::from(self.rays) / f64::from(self.samples.max(1)) - 0.75).max(0.25)
+    pub fn cost(&self, sum: &PixelSum) -> f64 {
+        (f64::from(self.rays) / f64::from(sum.samples.max(1)) - 0.75).max(0.25)
     }
-    fn mean(&self) -> [f32; 4] {
-        self.color.map(|c| c / self.samples as f32)
+}
+
+/// The samples of a tile, or of one half of them: row by row, an entry a pixel; without entries where there are none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Samples {
+    pub sums: Vec<PixelSum>,
+    /// Kept where pixels get different counts.
+    pub spreads: Vec<PixelSpread>,
+}
+
+impl Samples {
+    /// Makes room for so many pixels.
+    pub fn prepare(&mut self, pixels: usize, with_spreads: bool) {
+        self.sums.resize(pixels, PixelSum::default());
+        self.spreads.resize(if with_spreads { pixels } else { 0 }, PixelSpread::default());
+    }
+    /// Takes all away, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.sums.clear();
+        self.spreads.clear();
+    }
+    /// What is known of pixel `i`.
+    pub fn pixel(&self, i: usize) -> (PixelSum, PixelSpread) {
+        (self.sums.get(i).copied().unwrap_or_default(), self.spreads.get(i).copied().unwrap_or_default())
+    }
+    /// Adds a sample of pixel `i` that took some rays.
+    pub fn add(&mut self, i: usize, rgb: Rgb, coverage: f32, rays: u32) {
+        self.sums[i].add(rgb, coverage);
+        if let Some(spread) = self.spreads.get_mut(i) {
+            spread.add(rgb, rays);
+        }
     }
 }
 
 /// Mean radiance and coverage of a pixel from its halves: each half counts the same, however many samples it
 /// has (see `adaptive`). `None` without samples.
-pub(super) fn mean(halves: [PixelSum; 2]) -> Option<[f32; 4]> {
+pub(super) fn mean(halves: [PixelSum; 2]) -> Option<Vec4> {
     match halves.map(|half| half.samples > 0) {
         [true, true] => {
             let [a, b] = halves.map(|half| half.mean());
-            Some(std::array::from_fn(|i| 0.5 * (a[i] + b[i])))
+            Some(0.5 * (a + b))
         }
         [true, false] => Some(halves[0].mean()),
         [false, true] => Some(halves[1].mean()),

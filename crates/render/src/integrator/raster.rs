@@ -144,10 +144,10 @@ fn shade(shader: &mut Shader<'_>, square: &Square, film: &Film) -> u64 {
             continue;
         }
         // in the memory of an older picture, if there was one
-        let mut sums = std::mem::take(&mut film.tile(index).halves[0]);
-        sums.clear();
-        shader.colors(rect, &mut sums);
-        film.tile(index).halves[0] = sums;
+        let mut samples = std::mem::take(&mut film.tile(index).halves[0]);
+        samples.clear();
+        shader.colors(rect, &mut samples.sums);
+        film.tile(index).halves[0] = samples;
         if film.has_center_aovs() {
             film.set_centers(index, &shader.centers(rect));
         }
