@@ -10,7 +10,7 @@ use crate::{
     cover::Covers,
     mesh::MeshBvh,
     path::{InstancePath, MAX_DEPTH},
-    ray::TraversalRay,
+    ray::{ChildFromParent, TraversalRay},
     search::{Hit, Search},
     simd::{self, SimdLevel},
     wide::{MAX_PRIMITIVES, MOST_GROWTH, WideTree},
@@ -83,7 +83,7 @@ pub struct Instance {
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Placed {
-    child_from_parent: DAffine3,
+    child_from_parent: ChildFromParent,
     /// What is shown.
     pub child: Child,
     /// Its place in the list that the caller gave.
@@ -97,7 +97,7 @@ const _: () = assert!(size_of::<Placed>() == 128);
 impl Placed {
     /// `None` where it is the identity.
     #[inline(always)]
-    pub fn child_from_parent(&self) -> Option<&DAffine3> {
+    pub fn child_from_parent(&self) -> Option<&ChildFromParent> {
         (!self.is_identity).then_some(&self.child_from_parent)
     }
     /// A ray of the group's space, made ready in the child's.
@@ -364,6 +364,11 @@ fn place(instance: &Instance, index: u32, covers: &mut Covers) -> Option<(Placed
     let is_identity = m == DAffine3::IDENTITY;
     let bounds = if bounds.is_empty() || is_identity { bounds } else { covers.of(&instance.child).placed(&m) };
     let finite = bounds.is_empty() || is_identity || bounds.min.is_finite() && bounds.max.is_finite();
-    let placed = || Placed { child_from_parent: m.inverse(), child: instance.child.clone(), index, is_identity };
+    let placed = || Placed {
+        child_from_parent: ChildFromParent::new(m.inverse()),
+        child: instance.child.clone(),
+        index,
+        is_identity,
+    };
     finite.then(|| (placed(), bounds))
 }

@@ -1,6 +1,6 @@
 //! A ray made ready for traversal.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DMat3, Vec3};
 use umber_geometry::watertight::ShearedRay;
 use umber_math::{Point3, Ray, Vector3, float::gamma};
 
@@ -50,17 +50,44 @@ impl TraversalRay {
 
     /// The same ray in the space of a child; `t` keeps its meaning.
     #[inline(always)]
-    pub fn transformed(&self, child_from_parent: &DAffine3) -> Option<Self> {
+    pub fn transformed(&self, child_from_parent: &ChildFromParent) -> Option<Self> {
         let (origin, direction) = (Point3(self.sheared.origin), Vector3(self.sheared.direction));
+        if child_from_parent.is_translation {
+            // the direction and all that follows from it stay
+            return Some(Self { sheared: self.sheared.moved(child_from_parent.translated(origin).0)?, ..*self });
+        }
         Self::in_child(&Ray { origin, direction, t_min: self.t_min, t_max: f32::INFINITY }, child_from_parent)
     }
 
     /// A ray in the space of a child; `t` keeps its meaning. In double precision, so that children far from their
     /// parent's origin lose nothing.
     #[inline(always)]
-    pub fn in_child(ray: &Ray, child_from_parent: &DAffine3) -> Option<Self> {
-        let origin = child_from_parent.transform_point3(ray.origin.0.as_dvec3()).as_vec3();
-        let direction = child_from_parent.transform_vector3(ray.direction.0.as_dvec3()).as_vec3();
+    pub fn in_child(ray: &Ray, child_from_parent: &ChildFromParent) -> Option<Self> {
+        if child_from_parent.is_translation {
+            return Self::new(&Ray { origin: child_from_parent.translated(ray.origin), ..*ray });
+        }
+        let matrix = &child_from_parent.matrix;
+        let origin = matrix.transform_point3(ray.origin.0.as_dvec3()).as_vec3();
+        let direction = matrix.transform_vector3(ray.direction.0.as_dvec3()).as_vec3();
         Self::new(&Ray { origin: Point3(origin), direction: Vector3(direction), ..*ray })
+    }
+}
+
+/// Leads from a group's space to that of what an instance shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChildFromParent {
+    pub matrix: DAffine3,
+    /// Whether it turns and stretches nothing: most instances are only moved, as render space is world space moved.
+    is_translation: bool,
+}
+
+impl ChildFromParent {
+    /// From a matrix.
+    pub fn new(matrix: DAffine3) -> Self {
+        Self { matrix, is_translation: matrix.matrix3 == DMat3::IDENTITY }
+    }
+    #[inline(always)]
+    fn translated(&self, origin: Point3) -> Point3 {
+        Point3((origin.0.as_dvec3() + self.matrix.translation).as_vec3())
     }
 }

@@ -1,6 +1,6 @@
 //! Points of surfaces in render space, and the rays that leave them.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use umber_math::float::{MACHINE_EPSILON, offset_ray_origin};
 use umber_math::{Normal3, Point3, Ray, Vector3};
 
@@ -81,12 +81,17 @@ pub fn surface_point<'a>(
     let mut most_reach = most_weight_error(edges, normal, own * EDGE_ROUNDINGS + DVec3::splat(extent * EDGE_REACH));
     for transform in transforms.clone().rev() {
         let matrix = &transform.matrix3;
-        edges = [*matrix * edges[0], *matrix * edges[1]];
-        point = transform.transform_point3(point);
-        normal = edges[0].cross(edges[1]);
+        let volume = if *matrix == DMat3::IDENTITY {
+            point += transform.translation;
+            1.0
+        } else {
+            edges = [*matrix * edges[0], *matrix * edges[1]];
+            point = transform.transform_point3(point);
+            normal = edges[0].cross(edges[1]);
+            // The normal was multiplied by the cofactors: lengths along it by the determinant.
+            matrix.determinant().abs()
+        };
         let own = point.abs() * ROUNDING;
-        // The normal was multiplied by the cofactors: lengths along it by the determinant.
-        let volume = matrix.determinant().abs();
         height = height * volume + normal.abs().dot(own + inverse_error(transform, volume, point));
         edge_height *= volume;
         most_reach += most_weight_error(edges, normal, own * EDGE_ROUNDINGS);

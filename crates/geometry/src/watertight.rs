@@ -77,6 +77,12 @@ impl ShearedRay {
         Some(Self { origin: o, direction: d, axes, start, shear })
     }
 
+    /// The same ray from another origin. `None` where that is not finite.
+    #[inline(always)]
+    pub fn moved(&self, origin: Vec3) -> Option<Self> {
+        origin.is_finite().then(|| Self { origin, start: along(origin, self.axes), ..*self })
+    }
+
     /// The hit with a triangle, seen from either side, for which `t_min < t < t_max`.
     ///
     /// A ray through a shared edge or vertex hits at least one of the triangles around it: the
