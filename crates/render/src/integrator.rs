@@ -156,6 +156,17 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
     work
 }
 
+/// A final frame of at least so many samples a pixel takes every pixel's points by themselves.
+const MANY_SAMPLES: u32 = 16;
+
+/// Whether the error is to be blue noise over pixels: where pictures of few samples are seen.
+///
+/// Both halves of an adaptive picture are then made so, each by its own seed: they count the same, and a half whose
+/// error is white noise would drown the other's. They stay independent, as their seeds are.
+fn spreads_blue_noise(settings: &Settings) -> bool {
+    settings.enable_interactive || settings.converged_samples_per_pixel < MANY_SAMPLES
+}
+
 /// Samples of one half of a pixel.
 #[derive(Clone, Copy)]
 struct Sequence {
@@ -175,7 +186,11 @@ fn sample(
     let data_min = film.desc().data_window_min;
     // numbered within the whole view, so that a part of it shows the same noise
     let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
-    let sampler = || Sampler::new(sequence.seed, pixel, number);
+    let blue_noise = spreads_blue_noise(&scene.settings);
+    let sampler = || match blue_noise {
+        true => Sampler::blue_noise(sequence.seed, pixel, number),
+        false => Sampler::new(sequence.seed, pixel, number),
+    };
     let ray = |in_pixel: Vec2| scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
     let jittered = |sampler: &mut Sampler| {
         sampler.start_dimension(dimensions::FILM);

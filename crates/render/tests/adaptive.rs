@@ -81,28 +81,30 @@ fn the_mean_is_that_of_equal_counts() {
 
 #[test]
 fn the_same_adaptive_picture_whatever_the_threads_and_the_stops() {
-    let render = |threads: i64, interrupt: bool| {
-        let session = hard(64);
-        session.edit(setting("umber:threads", threads)).unwrap();
-        session.edit(number("convergedVariance", 0.02)).unwrap();
-        session.edit(setting("enableInteractive", interrupt.into())).unwrap();
-        if interrupt {
-            while !session.is_converged() {
+    for interactive in [0, 1] {
+        let render = |threads: i64, interrupt: bool, limit: i64| {
+            let session = hard(64);
+            session.edit(setting("umber:threads", threads)).unwrap();
+            session.edit(number("convergedVariance", 0.02)).unwrap();
+            session.edit(setting("enableInteractive", interactive)).unwrap();
+            session.edit(setting("umber:timeLimit", limit)).unwrap();
+            while interrupt && !session.is_converged() {
                 session.start();
                 std::thread::sleep(Duration::from_micros(500));
                 session.stop();
             }
-        } else {
             finish(&session);
-        }
-        let stats = session.stats();
-        assert!(stats.relative_variance > 0.0 && stats.percent_done == 100.0);
-        (color(&session), stats.mean_samples_per_pixel.to_bits())
-    };
-    let one = render(1, false);
-    assert_eq!(one, render(2, false));
-    assert_eq!(one, render(8, false));
-    assert_eq!(one, render(2, true));
+            let stats = session.stats();
+            assert!(stats.relative_variance > 0.0 && stats.percent_done == 100.0);
+            (color(&session), stats.mean_samples_per_pixel.to_bits())
+        };
+        let one = render(1, false, 0);
+        assert_eq!(one, render(2, false, 0));
+        assert_eq!(one, render(8, false, 0));
+        assert_eq!(one, render(2, true, 0));
+        // small passes, whoever watches
+        assert_eq!(one, render(2, true, 1000));
+    }
 }
 
 #[test]

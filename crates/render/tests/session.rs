@@ -18,28 +18,29 @@ fn dome() -> SceneEdit {
 
 #[test]
 fn the_same_picture_whatever_the_threads_and_the_stops() {
-    let render = |threads: i64, interrupt: bool| {
-        let session = session(4.0, 32, &[Aov::Color, Aov::PrimId]);
-        session.edit(setting("umber:threads", threads)).unwrap();
-        session.edit(mesh("/box", cube())).unwrap();
-        session.edit(dome()).unwrap();
-        if interrupt {
-            session.edit(setting("enableInteractive", 1)).unwrap();
-            while !session.is_converged() {
+    for interactive in [0, 1] {
+        let render = |threads: i64, interrupt: bool, limit: i64| {
+            let session = session(4.0, 32, &[Aov::Color, Aov::PrimId]);
+            session.edit(setting("umber:threads", threads)).unwrap();
+            session.edit(setting("enableInteractive", interactive)).unwrap();
+            session.edit(setting("umber:timeLimit", limit)).unwrap();
+            session.edit(mesh("/box", cube())).unwrap();
+            session.edit(dome()).unwrap();
+            while interrupt && !session.is_converged() {
                 session.start();
                 std::thread::sleep(Duration::from_micros(300));
                 session.stop();
             }
-        } else {
-            session.edit(setting("enableInteractive", 0)).unwrap();
             finish(&session);
-        }
-        color(&session)
-    };
-    let one = render(1, false);
-    assert_eq!(one, render(2, false));
-    assert_eq!(one, render(8, false));
-    assert_eq!(one, render(2, true));
+            color(&session)
+        };
+        let one = render(1, false, 0);
+        assert_eq!(one, render(2, false, 0));
+        assert_eq!(one, render(8, false, 0));
+        assert_eq!(one, render(2, true, 0));
+        // small passes, whoever watches
+        assert_eq!(one, render(2, true, 1000));
+    }
 }
 
 #[test]

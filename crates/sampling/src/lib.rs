@@ -3,9 +3,11 @@
 //! Nothing here knows of surfaces, lights or scenes: numbers in the unit square go in, points, directions
 //! and their densities come out. Densities carry their measure in the name.
 
+mod blue_noise;
 #[cfg(feature = "test-support")]
 pub mod chi2;
 mod distribution;
+mod hash;
 mod mis;
 mod sampler;
 pub mod warp;

@@ -4,29 +4,57 @@
 //! each set of dimensions shuffles the sample index and scrambles each dimension with its own seed, so that
 //! sets are independent while each keeps the stratification of a (0, 2)-sequence. The mixing constants of
 //! the Laine-Karras permutation are Vegdahl's 2021 improvement.
+//!
+//! Pixels are independent, or their error is blue noise: neighbours' samples then differ as far as they can.
 
 use glam::Vec2;
+
+use crate::blue_noise::{self, PixelMask};
+use crate::hash::mix;
 
 /// Random access to the sample points of one pixel: a point is a function of seed, pixel, sample number and dimension.
 ///
 /// Its only state is the number of the next dimension set. Any prefix of 2ᵏ samples is stratified.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
-    pixel_seed: u32,
+    scramble_seed: u32,
     /// Bit-reversed sample number: what nested scrambling works on.
     reversed_index: u32,
     set: u32,
+    /// Where the pixel's first sample is to be, if not anywhere.
+    first: Option<PixelMask>,
 }
 
 impl Sampler {
     /// The points of sample number `sample` in a pixel (raster coordinates), starting at dimension set 0.
+    ///
+    /// Pixels are independent: the error over pixels is white noise.
     #[inline]
     pub fn new(seed: u64, pixel: [u32; 2], sample: u32) -> Self {
-        let mut h = mix(seed as u32 ^ 0x9e37_79b9);
-        h = mix(h ^ (seed >> 32) as u32);
-        h = mix(h ^ pixel[0]);
-        h = mix(h.wrapping_mul(0x85eb_ca6b) ^ pixel[1]);
-        Self { pixel_seed: h, reversed_index: sample.reverse_bits(), set: 0 }
+        Self::scrambled(seed_hash(seed), pixel, sample)
+    }
+
+    /// The same with blue noise over pixels: neighbours' samples differ, so that the eye averages the error of a picture
+    /// of few samples. A pixel by itself has points as good as those of [`Sampler::new`], at more cost.
+    ///
+    /// Sample number 0 is where a blue-noise mask has it (Georgiev & Fajardo 2016, "Blue-noise dithered sampling"), the
+    /// same in pixels 64 apart. All of the pixel's points move with it by a digital shift (exclusive or with a constant),
+    /// which keeps every elementary interval. Over seeds, each point is uniform.
+    ///
+    /// Before the shift, pixels of one patch have the same points. Means of few samples are then functions of the mask's
+    /// values alone, and keep some of its blueness. Dimension sets are told apart up to 2³¹.
+    #[inline]
+    pub fn blue_noise(seed: u64, pixel: [u32; 2], sample: u32) -> Self {
+        let seed = seed_hash(seed);
+        let first = Some(PixelMask::new(mix(seed ^ MASK), pixel));
+        Self { first, ..Self::scrambled(seed, patch(seed, pixel), sample) }
+    }
+
+    #[inline]
+    fn scrambled(seed: u32, place: [u32; 2], sample: u32) -> Self {
+        let mut h = mix(seed ^ place[0]);
+        h = mix(h.wrapping_mul(0x85eb_ca6b) ^ place[1]);
+        Self { scramble_seed: h, reversed_index: sample.reverse_bits(), set: 0, first: None }
     }
 
     /// Goes to a dimension set; each `next_…` takes one set.
@@ -40,32 +68,78 @@ impl Sampler {
     /// The next number in [0, 1). Takes one dimension set.
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        let seed = self.next_set_seed();
-        // Bit-reversed van der Corput points are the index itself.
-        let reversed = owen_reversed(self.reversed_index, seed);
-        unit_float(owen_reversed(reversed.reverse_bits(), mix(seed ^ DIMENSION_0)).reverse_bits())
+        let (set, seed) = self.next_set();
+        let mut x = point_1d(self.reversed_index, seed);
+        if let Some(first) = self.first {
+            x ^= point_1d(0, seed) ^ first.value(set.wrapping_mul(2));
+        }
+        unit_float(x)
     }
 
     /// The next point in [0, 1)². Takes one dimension set.
     #[inline]
     pub fn next_2d(&mut self) -> Vec2 {
-        let seed = self.next_set_seed();
-        let index = owen_reversed(self.reversed_index, seed).reverse_bits();
-        let x = owen_reversed(index, mix(seed ^ DIMENSION_0)).reverse_bits();
-        let y = owen_reversed(sobol_1_reversed(index), mix(seed ^ DIMENSION_1)).reverse_bits();
+        let (set, seed) = self.next_set();
+        let [mut x, mut y] = point_2d(self.reversed_index, seed);
+        if let Some(first) = self.first {
+            let [first_x, first_y] = point_2d(0, seed);
+            let dimension = set.wrapping_mul(2);
+            x ^= first_x ^ first.value(dimension);
+            y ^= first_y ^ first.value(dimension + 1);
+        }
         Vec2::new(unit_float(x), unit_float(y))
     }
 
+    /// The next set and its seed.
     #[inline]
-    fn next_set_seed(&mut self) -> u32 {
+    fn next_set(&mut self) -> (u32, u32) {
         let set = self.set;
         self.set = set.wrapping_add(1);
-        mix(self.pixel_seed ^ set.wrapping_mul(0x9e37_79b9))
+        (set, mix(self.scramble_seed ^ set.wrapping_mul(0x9e37_79b9)))
     }
 }
 
 const DIMENSION_0: u32 = 0x68bc_21eb;
 const DIMENSION_1: u32 = 0x02e5_be93;
+const MASK: u32 = 0x2545_f491;
+/// Pixels over which the border of two patches is dispersed.
+const PATCH_BORDER: u32 = 16;
+
+/// The patch of pixels that have the same points before their digital shifts.
+///
+/// As large as a period of the mask: pixels that see the same of it then are in different patches, and what is rare, as
+/// a caustic's bright speck, does not come again every 64 pixels. How noisy a mean of two samples is varies from patch
+/// to patch, so that a sharp border would show.
+#[inline]
+fn patch(seed: u32, pixel: [u32; 2]) -> [u32; 2] {
+    let [x, y] = pixel.map(|i| i % blue_noise::SIDE);
+    // the same in every period
+    let jitter = mix(mix(seed ^ x) ^ y);
+    let moved = |i: u32, jitter: u32| i.wrapping_add(jitter % PATCH_BORDER) / blue_noise::SIDE;
+    [moved(pixel[0], jitter), moved(pixel[1], jitter >> 16)]
+}
+
+#[inline]
+fn seed_hash(seed: u64) -> u32 {
+    mix(mix(seed as u32 ^ 0x9e37_79b9) ^ (seed >> 32) as u32)
+}
+
+/// The number of a bit-reversed sample number, in units of 2⁻³².
+#[inline]
+fn point_1d(reversed_index: u32, seed: u32) -> u32 {
+    // Bit-reversed van der Corput points are the index itself.
+    let reversed = owen_reversed(reversed_index, seed);
+    owen_reversed(reversed.reverse_bits(), mix(seed ^ DIMENSION_0)).reverse_bits()
+}
+
+/// The point of a bit-reversed sample number, in units of 2⁻³².
+#[inline]
+fn point_2d(reversed_index: u32, seed: u32) -> [u32; 2] {
+    let index = owen_reversed(reversed_index, seed).reverse_bits();
+    let x = owen_reversed(index, mix(seed ^ DIMENSION_0)).reverse_bits();
+    let y = owen_reversed(sobol_1_reversed(index), mix(seed ^ DIMENSION_1)).reverse_bits();
+    [x, y]
+}
 
 /// Owen scrambling of a bit-reversed number; the result is bit-reversed as well.
 ///
@@ -90,16 +164,6 @@ fn sobol_1_reversed(index: u32) -> u32 {
     v ^ (v & 0xaaaa_aaaa) >> 1
 }
 
-/// A 32-bit hash: Wellons' "lowbias32".
-#[inline]
-fn mix(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ x >> 16
-}
-
 /// The upper 24 bits as a number in [0, 1).
 #[inline]
 fn unit_float(x: u32) -> f32 {
@@ -110,13 +174,35 @@ fn unit_float(x: u32) -> f32 {
 mod tests {
     use super::*;
 
-    fn points(seed: u64, pixel: [u32; 2], set: u32, n: u32) -> Vec<Vec2> {
+    type New = fn(u64, [u32; 2], u32) -> Sampler;
+    const WAYS: [New; 2] = [Sampler::new, Sampler::blue_noise];
+
+    fn points_of(new: New, seed: u64, pixel: [u32; 2], set: u32, n: u32) -> Vec<Vec2> {
         let point = |i| {
-            let mut s = Sampler::new(seed, pixel, i);
+            let mut s = new(seed, pixel, i);
             s.start_dimension(set);
             s.next_2d()
         };
         (0..n).map(point).collect()
+    }
+
+    fn points(seed: u64, pixel: [u32; 2], set: u32, n: u32) -> Vec<Vec2> {
+        points_of(Sampler::new, seed, pixel, set, n)
+    }
+
+    /// Pictures that are kept as references depend on them.
+    #[test]
+    fn points_stay_what_they_are() {
+        for ((seed, pixel, sample, set), want) in [
+            ((0, [0, 0], 0, 0), [14196216, 11595373, 8097628]),
+            ((7, [3, 900], 5, 1), [16341935, 7080402, 4437204]),
+            ((u64::MAX, [1920, 1080], 100, 70_000), [12275355, 1483335, 1736289]),
+        ] {
+            let mut s = Sampler::new(seed, pixel, sample);
+            s.start_dimension(set);
+            let (x, p) = (s.next_1d(), s.next_2d());
+            assert_eq!([x, p.x, p.y].map(|v| (v * (1 << 24) as f32) as u32), want);
+        }
     }
 
     #[test]
@@ -134,9 +220,10 @@ mod tests {
 
     #[test]
     fn powers_of_two_fill_every_elementary_interval_once() {
-        for (seed, pixel, set) in [(0, [0, 0], 0), (7, [3, 900], 5), (u64::MAX, [1920, 1080], 100)] {
-            for k in [4u32, 8, 10] {
-                let p = points(seed, pixel, set, 1 << k);
+        let pixels = [(0, [0, 0], 0), (7, [3, 900], 5), (u64::MAX, [1920, 1080], 100)];
+        for (new, (seed, pixel, set)) in WAYS.into_iter().flat_map(|new| pixels.map(|pixel| (new, pixel))) {
+            for k in [1u32, 4, 8, 10] {
+                let p = points_of(new, seed, pixel, set, 1 << k);
                 for kx in 0..=k {
                     let (nx, ny) = (1usize << kx, 1usize << (k - kx));
                     let mut seen = vec![false; nx * ny];
@@ -151,13 +238,15 @@ mod tests {
 
     #[test]
     fn one_dimension_is_stratified() {
-        let mut seen = [false; 256];
-        for i in 0..256 {
-            let mut s = Sampler::new(3, [17, 4], i);
-            s.start_dimension(9);
-            seen[(s.next_1d() * 256.0) as usize] = true;
+        for new in WAYS {
+            let mut seen = [false; 256];
+            for i in 0..256 {
+                let mut s = new(3, [17, 4], i);
+                s.start_dimension(9);
+                seen[(s.next_1d() * 256.0) as usize] = true;
+            }
+            assert!(seen.iter().all(|&s| s));
         }
-        assert!(seen.iter().all(|&s| s));
     }
 
     fn correlation(a: impl Iterator<Item = f32>, b: impl Iterator<Item = f32>) -> f64 {
@@ -196,28 +285,32 @@ mod tests {
         // ∫ over the unit square of a smooth function; random sampling has RMS error σ/√n.
         let f = |p: Vec2| f64::from((p.x * 3.0).sin() * (p.y * p.y + 0.5));
         let exact = (1.0 - 3f64.cos()) / 3.0 * (1.0 / 3.0 + 0.5);
-        let rms = |n: u32| {
-            let pixels = 64;
-            let squares = (0..pixels).map(|x| {
-                let mean = points(11, [x, 0], 3, n).into_iter().map(f).sum::<f64>() / f64::from(n);
-                (mean - exact).powi(2)
-            });
-            (squares.sum::<f64>() / f64::from(pixels)).sqrt()
-        };
-        let (coarse, fine) = (rms(64), rms(1024));
-        assert!(coarse < 0.3 / 64f64.sqrt() * 0.4, "{coarse}");
-        // Random would gain a factor of 4; scrambled nets approach 64 for smooth functions.
-        assert!(coarse / fine > 16.0, "{coarse} → {fine}");
+        for new in WAYS {
+            let rms = |n: u32| {
+                let pixels = 64;
+                let squares = (0..pixels).map(|x| {
+                    let mean = points_of(new, 11, [x, 0], 3, n).into_iter().map(f).sum::<f64>() / f64::from(n);
+                    (mean - exact).powi(2)
+                });
+                (squares.sum::<f64>() / f64::from(pixels)).sqrt()
+            };
+            let (coarse, fine) = (rms(64), rms(1024));
+            assert!(coarse < 0.3 / 64f64.sqrt() * 0.4, "{coarse}");
+            // Random would gain a factor of 4; scrambled nets approach 64 for smooth functions.
+            assert!(coarse / fine > 16.0, "{coarse} → {fine}");
+        }
     }
 
     #[test]
     fn dimension_sets_do_not_depend_on_what_was_taken_before() {
-        let mut a = Sampler::new(4, [1, 2], 33);
-        let mut b = a;
-        a.next_1d();
-        a.next_2d();
-        a.start_dimension(20);
-        b.start_dimension(20);
-        assert_eq!(a.next_2d(), b.next_2d());
+        for new in WAYS {
+            let mut a = new(4, [1, 2], 33);
+            let mut b = a;
+            a.next_1d();
+            a.next_2d();
+            a.start_dimension(20);
+            b.start_dimension(20);
+            assert_eq!(a.next_2d(), b.next_2d());
+        }
     }
 }
