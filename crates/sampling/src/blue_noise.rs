@@ -7,7 +7,7 @@
 use crate::hash::mix;
 
 /// Pixels to each side of the mask, a power of two.
-pub(crate) const SIDE: u32 = 64;
+const SIDE: u32 = 64;
 const PIXELS: usize = (SIDE * SIDE) as usize;
 /// Pixels by rank, rows first: each of 0 … `PIXELS` − 1 once.
 static RANKS: [u16; PIXELS] = ranks(include_bytes!("blue_noise_mask.bin"));

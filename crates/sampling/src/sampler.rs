@@ -9,7 +9,7 @@
 
 use glam::Vec2;
 
-use crate::blue_noise::{self, PixelMask};
+use crate::blue_noise::PixelMask;
 use crate::hash::mix;
 
 /// Random access to the sample points of one pixel: a point is a function of seed, pixel, sample number and dimension.
@@ -39,15 +39,13 @@ impl Sampler {
     ///
     /// Sample number 0 is where a blue-noise mask has it (Georgiev & Fajardo 2016, "Blue-noise dithered sampling"), the
     /// same in pixels 64 apart. All of the pixel's points move with it by a digital shift (exclusive or with a constant),
-    /// which keeps every elementary interval. Over seeds, each point is uniform.
-    ///
-    /// Before the shift, pixels of one patch have the same points. Means of few samples are then functions of the mask's
-    /// values alone, and keep some of its blueness. Dimension sets are told apart up to 2³¹.
+    /// which keeps every elementary interval; but for that move, pixels are independent. Over seeds, each point is uniform.
+    /// Dimension sets are told apart up to 2³¹.
     #[inline]
     pub fn blue_noise(seed: u64, pixel: [u32; 2], sample: u32) -> Self {
         let seed = seed_hash(seed);
         let first = Some(PixelMask::new(mix(seed ^ MASK), pixel));
-        Self { first, ..Self::scrambled(seed, patch(seed, pixel), sample) }
+        Self { first, ..Self::scrambled(seed, pixel, sample) }
     }
 
     #[inline]
@@ -102,23 +100,6 @@ impl Sampler {
 const DIMENSION_0: u32 = 0x68bc_21eb;
 const DIMENSION_1: u32 = 0x02e5_be93;
 const MASK: u32 = 0x2545_f491;
-/// Pixels over which the border of two patches is dispersed.
-const PATCH_BORDER: u32 = 16;
-
-/// The patch of pixels that have the same points before their digital shifts.
-///
-/// As large as a period of the mask: pixels that see the same of it then are in different patches, and what is rare, as
-/// a caustic's bright speck, does not come again every 64 pixels. How noisy a mean of two samples is varies from patch
-/// to patch, so that a sharp border would show.
-#[inline]
-fn patch(seed: u32, pixel: [u32; 2]) -> [u32; 2] {
-    let [x, y] = pixel.map(|i| i % blue_noise::SIDE);
-    // the same in every period
-    let jitter = mix(mix(seed ^ x) ^ y);
-    let moved = |i: u32, jitter: u32| i.wrapping_add(jitter % PATCH_BORDER) / blue_noise::SIDE;
-    [moved(pixel[0], jitter), moved(pixel[1], jitter >> 16)]
-}
-
 #[inline]
 fn seed_hash(seed: u64) -> u32 {
     mix(mix(seed as u32 ^ 0x9e37_79b9) ^ (seed >> 32) as u32)
