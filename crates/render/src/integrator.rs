@@ -130,7 +130,7 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
         if goal.counts(rect.x, rect.y)[half as usize] > 0 {
             samples.prepare(pixels, !matches!(goal.target, Target::Even));
         }
-        let sequence = Sequence { seed: goal.seed(scene, half), half };
+        let sequence = Sequence { seed: goal.seed(scene, half), half, is_blue: spreads_blue_noise(&scene.settings) };
         for i in 0..samples.sums.len() {
             let [x, y] = place(i);
             if goal.stride > 1 && (x % goal.stride != 0 || y % goal.stride != 0) {
@@ -172,6 +172,18 @@ fn spreads_blue_noise(settings: &Settings) -> bool {
 struct Sequence {
     seed: u64,
     half: u32,
+    is_blue: bool,
+}
+
+impl Sequence {
+    #[inline]
+    fn sampler(self, pixel: [u32; 2], number: u32) -> Sampler {
+        if self.is_blue {
+            Sampler::blue_noise(self.seed, pixel, number)
+        } else {
+            Sampler::new(self.seed, pixel, number)
+        }
+    }
 }
 
 /// Takes sample number `number` of the pixel at column `x` and row `y`.
@@ -186,11 +198,7 @@ fn sample(
     let data_min = film.desc().data_window_min;
     // numbered within the whole view, so that a part of it shows the same noise
     let pixel = [(x as i32 + data_min[0]) as u32, (y as i32 + data_min[1]) as u32];
-    let blue_noise = spreads_blue_noise(&scene.settings);
-    let sampler = || match blue_noise {
-        true => Sampler::blue_noise(sequence.seed, pixel, number),
-        false => Sampler::new(sequence.seed, pixel, number),
-    };
+    let sampler = || sequence.sampler(pixel, number);
     let ray = |in_pixel: Vec2| scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel);
     let jittered = |sampler: &mut Sampler| {
         sampler.start_dimension(dimensions::FILM);

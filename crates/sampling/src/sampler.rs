@@ -41,7 +41,7 @@ impl Sampler {
     /// same in pixels 64 apart. All of the pixel's points move with it by a digital shift (exclusive or with a constant),
     /// which keeps every elementary interval; but for that move, pixels are independent. Over seeds, each point is uniform.
     /// Dimension sets are told apart up to 2³¹.
-    #[inline]
+    #[inline(never)]
     pub fn blue_noise(seed: u64, pixel: [u32; 2], sample: u32) -> Self {
         let seed = seed_hash(seed);
         let first = Some(PixelMask::new(mix(seed ^ MASK), pixel));
@@ -67,25 +67,20 @@ impl Sampler {
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
         let (set, seed) = self.next_set();
-        let mut x = point_1d(self.reversed_index, seed);
-        if let Some(first) = self.first {
-            x ^= point_1d(0, seed) ^ first.value(set.wrapping_mul(2));
+        match self.first {
+            None => unit_float(point_1d(self.reversed_index, seed)),
+            Some(first) => first.moved_1d(self.reversed_index, set, seed),
         }
-        unit_float(x)
     }
 
     /// The next point in [0, 1)². Takes one dimension set.
     #[inline]
     pub fn next_2d(&mut self) -> Vec2 {
         let (set, seed) = self.next_set();
-        let [mut x, mut y] = point_2d(self.reversed_index, seed);
-        if let Some(first) = self.first {
-            let [first_x, first_y] = point_2d(0, seed);
-            let dimension = set.wrapping_mul(2);
-            x ^= first_x ^ first.value(dimension);
-            y ^= first_y ^ first.value(dimension + 1);
+        match self.first {
+            None => unit_point(point_2d(self.reversed_index, seed)),
+            Some(first) => first.moved_2d(self.reversed_index, set, seed),
         }
-        Vec2::new(unit_float(x), unit_float(y))
     }
 
     /// The next set and its seed.
@@ -94,6 +89,23 @@ impl Sampler {
         let set = self.set;
         self.set = set.wrapping_add(1);
         (set, mix(self.scramble_seed ^ set.wrapping_mul(0x9e37_79b9)))
+    }
+}
+
+impl PixelMask {
+    // neither is to make the other way's code larger
+    #[cold]
+    #[inline(never)]
+    fn moved_1d(self, reversed_index: u32, set: u32, seed: u32) -> f32 {
+        let move_by = point_1d(0, seed) ^ self.value(set.wrapping_mul(2));
+        unit_float(point_1d(reversed_index, seed) ^ move_by)
+    }
+    #[cold]
+    #[inline(never)]
+    fn moved_2d(self, reversed_index: u32, set: u32, seed: u32) -> Vec2 {
+        let ([x, y], [first_x, first_y]) = (point_2d(reversed_index, seed), point_2d(0, seed));
+        let dimension = set.wrapping_mul(2);
+        unit_point([x ^ first_x ^ self.value(dimension), y ^ first_y ^ self.value(dimension + 1)])
     }
 }
 
@@ -143,6 +155,11 @@ fn sobol_1_reversed(index: u32) -> u32 {
     v ^= (v & 0xf0f0_f0f0) >> 4;
     v ^= (v & 0xcccc_cccc) >> 2;
     v ^ (v & 0xaaaa_aaaa) >> 1
+}
+
+#[inline]
+fn unit_point([x, y]: [u32; 2]) -> Vec2 {
+    Vec2::new(unit_float(x), unit_float(y))
 }
 
 /// The upper 24 bits as a number in [0, 1).
