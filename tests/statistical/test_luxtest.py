@@ -3,7 +3,8 @@
 Direct light alone, as the stages ask for. Compared are the pixels that hold neither an edge nor the light: each of
 them, within one per cent of its own value (five under the stripes of an IES profile, which no grid hits
 exactly), 0.2 % of the frame's mean and four standard errors, but for one in a hundred; and their mean, within half a
-per cent (one and a half) and four standard errors, of which a light next to a surface makes some. Figures are printed: `pytest -rP tests/statistical`.
+per cent (one and a half) and four standard errors, of which a light next to a surface makes some.
+Figures are printed: `pytest -rP tests/statistical`.
 """
 
 from __future__ import annotations

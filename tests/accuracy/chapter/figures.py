@@ -24,7 +24,7 @@ from umber.stage_reader import read_camera, read_stage
 
 ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "docs/scenes/chapter"))
-from make import SPHERE, icosphere, textbook  # noqa: E402
+from make import SPHERE, icosphere, textbook
 
 PICTURES = ROOT / "docs/images/chapter"
 SIZE = 256
@@ -186,7 +186,8 @@ def small() -> None:
     right = np.asarray(umber(moved(scale, Gf.Vec3d(0)), "elementId", integrator="mirror")).reshape(SIZE, SIZE)
     seen, missed = right >= 0, (left < 0) & (right >= 0)
     behind = np.count_nonzero(seen & ~missed & (left != right))
-    print(f"small: {np.count_nonzero(missed)} of {np.count_nonzero(seen)} pixels see nothing, {behind} another triangle")
+    counts = [np.count_nonzero(pixels) for pixels in (missed, seen)]
+    print(f"small: {counts[0]} of {counts[1]} pixels see nothing, {behind} another triangle")
     write("small", colors(left), colors(right))
 
 
