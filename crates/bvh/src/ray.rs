@@ -76,7 +76,7 @@ impl TraversalRay {
 /// Leads from a group's space to that of what an instance shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChildFromParent {
-    pub matrix: DAffine3,
+    matrix: DAffine3,
     /// Whether it turns and stretches nothing: most instances are only moved, as render space is world space moved.
     is_translation: bool,
 }
