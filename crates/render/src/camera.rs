@@ -89,6 +89,11 @@ impl RenderCamera {
         }
     }
 
+    /// Where it is, render space.
+    pub fn position(&self) -> Point3 {
+        self.render_from_camera.point(Point3(umber_math::Vec3::ZERO))
+    }
+
     /// The way back from render space to film positions: the inverse of the very matrix that makes rays.
     pub fn view(&self) -> View {
         let forward = self.render_from_camera.forward();

@@ -184,6 +184,7 @@ impl Compiler {
             lights: Arc::clone(&self.light_set),
             linking: self.linking.clone(),
             partly_present,
+            caustics: None,
         }
     }
 

@@ -5,6 +5,7 @@
 mod adaptive;
 mod aov;
 mod camera;
+mod caustics;
 mod clusters;
 mod compile;
 mod emitter_index;

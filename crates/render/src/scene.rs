@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use umber_bvh::{Hit, InstanceBvh};
-use umber_math::{Ray, Vector3};
+use umber_math::{Point3, Ray, Vector3};
 use umber_scene::CulledFaces;
 use umber_settings::Settings;
+use umber_shading::Bsdf;
 
 use crate::camera::RenderCamera;
+use crate::caustics::{CausticMap, Guided};
 use crate::compile::InstanceNumber;
 use crate::light_set::LightSet;
 use crate::linking::Linking;
@@ -38,12 +40,27 @@ pub struct RenderScene {
     pub linking: Option<Arc<Linking>>,
     /// Whether any surface may let rays pass: where none does, nobody asks.
     pub partly_present: bool,
+    /// Where caustics lie, where that was looked for and found.
+    pub caustics: Option<CausticMap>,
 }
 
+/// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.
+const LED_BOUNCES: u32 = 2;
 /// Rays that went through surfaces which are not there end after so many of them.
 pub(crate) const MAX_PASSES: u32 = 1024;
 
 impl RenderScene {
+    /// The BSDF at a vertex of a path, 0 for the first behind the camera, led to where caustics there come from.
+    #[inline]
+    pub fn guided(&self, bsdf: Bsdf, point: Point3, bounce: u32) -> Guided<'_> {
+        let places = self
+            .caustics
+            .as_ref()
+            .filter(|_| bounce < LED_BOUNCES && bsdf.scatters())
+            .and_then(|map| map.places(point));
+        Guided::new(bsdf, point, places)
+    }
+
     /// The nearest surface on a ray that is there. `chance(n)` gives the n-th number in [0, 1) that
     /// decides about partly present surfaces. Counts rays.
     pub fn closest_hit(&self, ray: Ray, rays: &mut u64, chance: impl FnMut(u32) -> f32) -> Option<Hit> {

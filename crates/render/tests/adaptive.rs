@@ -5,31 +5,12 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::*;
-use umber_math::{DAffine3, DVec3, Rgb};
 use umber_render::{Aov, FilmDesc, Session};
-use umber_scene::{Light, LightId, LightKind, Material, MeshPatch, PreviewSurface, SceneEdit};
+use umber_scene::SceneEdit;
 use umber_settings::Value;
 
 fn number(key: &str, value: f64) -> SceneEdit {
     SceneEdit::Setting(key.into(), Value::Float(value))
-}
-
-/// A small bright lamp, a floor, and a metal box whose reflections of the lamp the floor meets by chance alone.
-fn hard(samples: i64) -> Session {
-    let session = session(6.0, samples, &[Aov::Color]);
-    let at = |x: f64, y: f64, z: f64, size: DVec3| {
-        Some(DAffine3::from_translation(DVec3::new(x, y, z)) * DAffine3::from_scale(size))
-    };
-    let floor = at(0.0, -2.0, 0.0, DVec3::new(8.0, 0.5, 8.0));
-    session.edit(mesh("/floor", MeshPatch { transform: floor, ..cube() })).unwrap();
-    session.edit(mesh("/box", MeshPatch { transform: at(0.9, -0.7, 0.0, DVec3::splat(0.8)), ..cube() })).unwrap();
-    let metal = PreviewSurface { diffuse_color: Rgb::splat(0.9), metallic: 1.0, roughness: 0.15, ..Default::default() };
-    bind(&session, "/box", "/metal", Material::Preview(metal));
-    bind(&session, "/floor", "/matt", lambert(0.6, 0.0));
-    let lamp = Light { intensity: 400.0, ..Light::new(LightKind::Sphere { radius: 0.15, treat_as_point: false }) };
-    let lamp = Light { world_from_light: DAffine3::from_translation(DVec3::new(-2.0, 0.5, 0.5)), ..lamp };
-    session.edit(SceneEdit::Light(LightId::new("/lamp"), lamp)).unwrap();
-    session
 }
 
 fn pictures(session: &Session, seeds: i64) -> Vec<Vec<f64>> {
@@ -52,7 +33,7 @@ fn block(pictures: &[Vec<f64>], pixels: &[usize]) -> (f64, f64) {
 
 #[test]
 fn the_mean_is_that_of_equal_counts() {
-    let session = hard(64);
+    let session = metal_and_lamp(64);
     session.edit(setting("enableInteractive", 0)).unwrap();
     let equal = pictures(&session, 64);
     session.edit(number("convergedVariance", 0.02)).unwrap();
@@ -83,7 +64,7 @@ fn the_mean_is_that_of_equal_counts() {
 fn the_same_adaptive_picture_whatever_the_threads_and_the_stops() {
     for interactive in [0, 1] {
         let render = |threads: i64, interrupt: bool, limit: i64| {
-            let session = hard(64);
+            let session = metal_and_lamp(64);
             session.edit(setting("umber:threads", threads)).unwrap();
             session.edit(number("convergedVariance", 0.02)).unwrap();
             session.edit(setting("enableInteractive", interactive)).unwrap();
@@ -109,7 +90,7 @@ fn the_same_adaptive_picture_whatever_the_threads_and_the_stops() {
 
 #[test]
 fn the_target_is_met_or_all_samples_are_taken() {
-    let session = hard(1024);
+    let session = metal_and_lamp(1024);
     session.edit(number("convergedVariance", 0.01)).unwrap();
     finish(&session);
     let stats = session.stats();
@@ -132,7 +113,7 @@ fn the_target_is_met_or_all_samples_are_taken() {
 #[test]
 fn a_limit_of_time_ends_the_picture() {
     for variance in [-1.0, 0.0] {
-        let session = hard(1 << 24);
+        let session = metal_and_lamp(1 << 24);
         session.edit(number("convergedVariance", variance)).unwrap();
         session.edit(setting("enableInteractive", 0)).unwrap();
         session.edit(number("umber:timeLimit", 0.3)).unwrap();
@@ -144,7 +125,7 @@ fn a_limit_of_time_ends_the_picture() {
         assert!(session.stats().percent_done == 100.0 && session.stats().mean_samples_per_pixel > 0.0);
     }
     // too short for anything
-    let session = hard(64);
+    let session = metal_and_lamp(64);
     session.set_film(FilmDesc::new(SIZE, SIZE, &[Aov::Color]));
     session.edit(number("umber:timeLimit", 1e-9)).unwrap();
     finish(&session);
@@ -153,7 +134,7 @@ fn a_limit_of_time_ends_the_picture() {
 
 #[test]
 fn the_clamp_bounds_every_sample() {
-    let session = hard(1);
+    let session = metal_and_lamp(1);
     let brightest = |session: &Session| {
         finish(session);
         color(session).iter().flat_map(|p| [p[0], p[1], p[2]]).fold(0.0, f32::max)

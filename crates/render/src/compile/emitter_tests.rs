@@ -298,6 +298,7 @@ fn copy(scene: &RenderScene) -> RenderScene {
         lights: Arc::clone(&scene.lights),
         linking: scene.linking.clone(),
         partly_present: scene.partly_present,
+        caustics: None,
     }
 }
 

@@ -32,6 +32,8 @@ pub enum Draw {
     MirrorNoise = 5,
     /// The third of them.
     MirrorNoiseThird = 6,
+    /// Whether a path aims at a place that a caustic comes from, and at which.
+    Aim = 7,
 }
 
 /// The set of a draw at a path's vertex number `vertex`, counted from 0 behind the camera.
@@ -44,6 +46,6 @@ pub const fn presence(vertex: u32, pass: u32) -> u32 {
     PRESENCE_SETS + vertex * PRESENCE_SETS_PER_SEGMENT + pass
 }
 
-const _: () = assert!((Draw::MirrorNoiseThird as u32) < VERTEX_SETS && FILM < CAMERA_SETS);
+const _: () = assert!((Draw::Aim as u32) < VERTEX_SETS && FILM < CAMERA_SETS);
 // as many bounces as the settings allow
-const _: () = assert!(vertex(1024, Draw::MirrorNoiseThird) < PRESENCE_SETS);
+const _: () = assert!(vertex(1024, Draw::Aim) < PRESENCE_SETS);

@@ -3,10 +3,11 @@
 use umber_bvh::Hit;
 use umber_math::{Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
-use umber_shading::{Bsdf, LobeKind, Receiver};
+use umber_shading::{LobeKind, Receiver};
 
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
+use crate::caustics::Guided;
 use crate::light_set::ShapeHit;
 use crate::linking::Links;
 use crate::scene::RenderScene;
@@ -79,17 +80,23 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         if bsdf.is_black() {
             break;
         }
-        if bsdf.has_non_delta() {
+        let bsdf = scene.guided(bsdf, surface.at.point, bounce);
+        if bsdf.bsdf.has_non_delta() {
             radiance += throughput * direct(scene, &surface, &bsdf, wo, bounce, sampler, rays);
         }
-        let lobe = if bsdf.chooses_lobe() {
+        let lobe = if bsdf.bsdf.chooses_lobe() {
             sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
             sampler.next_1d()
         } else {
             0.0
         };
         sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeDirection));
-        let Some(sample) = bsdf.sample(wo, lobe, sampler.next_2d()) else { break };
+        let direction = sampler.next_2d();
+        let aim = || {
+            sampler.start_dimension(dimensions::vertex(bounce, Draw::Aim));
+            sampler.next_1d()
+        };
+        let Some(sample) = bsdf.sample(wo, aim, lobe, direction) else { break };
         throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
         if bounce == 0 {
             first = throughput.max_channel();
@@ -146,7 +153,7 @@ fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
 }
 
 /// A surface as it asks for light, on the viewer's side.
-fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
+pub(crate) fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
     let at = &surface.at;
     Receiver { point: at.point, normal: at.normal.facing(wo), clearance: at.clearance }
 }
@@ -214,10 +221,10 @@ fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool
 }
 
 /// Next-event estimation: one light sample, weighted against finding it by the BSDF.
-fn direct(
+pub(crate) fn direct(
     scene: &RenderScene,
     surface: &SurfaceInteraction,
-    bsdf: &Bsdf,
+    bsdf: &Guided<'_>,
     wo: Vector3,
     bounce: u32,
     sampler: &mut Sampler,
@@ -235,7 +242,7 @@ fn direct(
     let value = bsdf.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
     let pdf_light = pmf * sample.pdf_solid_angle;
-    let unoccluded = f * sample.radiance * (bsdf.cos_theta(sample.wi) / pdf_light);
+    let unoccluded = f * sample.radiance * (bsdf.bsdf.cos_theta(sample.wi) / pdf_light);
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return Rgb::BLACK;
     }

@@ -9,6 +9,7 @@ use umber_settings::Integrator;
 
 use super::control::Shared;
 use crate::adaptive::{self, Plan};
+use crate::caustics::{self, CausticMap};
 use crate::film::{COARSE, Film};
 use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile};
 use crate::scene::RenderScene;
@@ -30,6 +31,8 @@ pub(super) struct Picture {
     done: u32,
     /// Samples of each pixel, once the pilot has decided about them.
     plan: Option<Plan>,
+    /// After how many samples caustics are looked for, as long as they were not.
+    caustics_after: Option<u32>,
     seconds: f64,
     rays: AtomicU64,
     samples: AtomicU64,
@@ -48,7 +51,8 @@ impl Picture {
     pub fn new(epoch: u64, scene: RenderScene, film: Arc<Film>) -> Self {
         let order = film.tile_order();
         let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, seconds: 0.0, rays, samples }
+        let caustics_after = caustics::are_looked_for_after(&scene.settings, &scene.materials);
+        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, caustics_after, seconds: 0.0, rays, samples }
     }
     /// The restart that it belongs to.
     pub fn epoch(&self) -> u64 {
@@ -59,6 +63,9 @@ impl Picture {
     pub fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         while self.film.tile_count() > 0 {
             let Some((samples, stride)) = self.next_pass() else { break };
+            if self.caustics_after.is_some_and(|samples| self.done >= samples) {
+                self.look_for_caustics(pool);
+            }
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
                 Passed::TimeIsUp => break,
@@ -79,6 +86,17 @@ impl Picture {
             s.relative_variance = relative_variance;
         });
         true
+    }
+
+    /// Leads the samples to come to where caustics come from.
+    fn look_for_caustics(&mut self, pool: &ThreadPool) {
+        let started = Instant::now();
+        self.caustics_after = None;
+        let (scene, film) = (&self.scene, self.film.desc());
+        let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
+        let rays = self.rays.get_mut();
+        self.scene.caustics = pool.install(|| CausticMap::new(scene, film, samples, rays));
+        self.seconds += started.elapsed().as_secs_f64();
     }
 
     fn is_adaptive(&self) -> bool {

@@ -7,7 +7,8 @@ use std::time::Duration;
 use umber_math::{DAffine3, DVec3, Rgb, Vec3};
 use umber_render::{Aov, BufferFormat, FilmDesc, Session};
 use umber_scene::{
-    Camera, CameraId, Material, MaterialId, MeshId, MeshPatch, PreviewSurface, SceneEdit, SubdivisionScheme, Topology,
+    Camera, CameraId, Light, LightId, LightKind, Material, MaterialId, MeshId, MeshPatch, PreviewSurface, SceneEdit,
+    SubdivisionScheme, Topology,
 };
 use umber_settings::Value;
 
@@ -82,6 +83,24 @@ pub fn bind(session: &Session, mesh_path: &str, material_path: &str, material: M
     let id = MaterialId::new(material_path);
     session.edit(SceneEdit::Material(id.clone(), material)).unwrap();
     session.edit(mesh(mesh_path, MeshPatch { material: Some(Some(id)), ..MeshPatch::default() })).unwrap();
+}
+
+/// A small bright lamp, a floor, and a metal box whose reflections of the lamp the floor meets by chance alone.
+pub fn metal_and_lamp(samples: i64) -> Session {
+    let session = session(6.0, samples, &[Aov::Color]);
+    let at = |x: f64, y: f64, z: f64, size: DVec3| {
+        Some(DAffine3::from_translation(DVec3::new(x, y, z)) * DAffine3::from_scale(size))
+    };
+    let floor = at(0.0, -2.0, 0.0, DVec3::new(8.0, 0.5, 8.0));
+    session.edit(mesh("/floor", MeshPatch { transform: floor, ..cube() })).unwrap();
+    session.edit(mesh("/box", MeshPatch { transform: at(0.9, -0.7, 0.0, DVec3::splat(0.8)), ..cube() })).unwrap();
+    let metal = PreviewSurface { diffuse_color: Rgb::splat(0.9), metallic: 1.0, roughness: 0.15, ..Default::default() };
+    bind(&session, "/box", "/metal", Material::Preview(metal));
+    bind(&session, "/floor", "/matt", lambert(0.6, 0.0));
+    let lamp = Light { intensity: 400.0, ..Light::new(LightKind::Sphere { radius: 0.15, treat_as_point: false }) };
+    let lamp = Light { world_from_light: DAffine3::from_translation(DVec3::new(-2.0, 0.5, 0.5)), ..lamp };
+    session.edit(SceneEdit::Light(LightId::new("/lamp"), lamp)).unwrap();
+    session
 }
 
 /// Renders to the end.

@@ -72,6 +72,10 @@ impl Layered {
     pub fn lobe_count(&self) -> usize {
         usize::from(!self.diffuse.is_black()) + usize::from(self.specular.is_some()) + usize::from(self.coat.is_some())
     }
+    /// Of the microfacet lobes.
+    pub fn widths(&self) -> impl Iterator<Item = f32> {
+        self.specular.map(|s| s.alpha).into_iter().chain(self.coat.map(|c| c.lobe.alpha))
+    }
     pub fn has_non_delta(&self) -> bool {
         !self.diffuse.is_black()
             || self.specular.is_some_and(|s| !s.is_delta())

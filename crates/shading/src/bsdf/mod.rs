@@ -81,6 +81,14 @@ impl Lobes {
     pub fn lambert(albedo: Rgb) -> Self {
         Self(Kind::Lambert(unit_rgb(albedo)))
     }
+    /// Whether a lobe is narrow: what it reflects of a small light is a caustic.
+    #[inline]
+    pub fn focuses(&self) -> bool {
+        match &self.0 {
+            Kind::Lambert(_) => false,
+            Kind::Layered(layers) => layers.widths().any(|alpha| alpha < NARROW_ALPHA),
+        }
+    }
     /// The least that holds the lobes given.
     pub(crate) fn layered(diffuse: Rgb, specular: Option<Ggx>, coat: Option<Coat>) -> Self {
         match (specular, coat) {
@@ -101,6 +109,9 @@ pub(crate) fn unit(v: f32) -> f32 {
     #[allow(clippy::manual_clamp)]
     v.max(0.0).min(1.0)
 }
+
+/// Widths of microfacet lobes below this show lights as small bright spots (a roughness of 0.45).
+const NARROW_ALPHA: f32 = 0.2;
 
 /// The least cosine of `wo` to the shading normal: an interpolated normal that faces away is taken as grazing.
 const LEAST_COS_O: f32 = 1e-3;
@@ -206,6 +217,19 @@ impl Bsdf {
         match &self.lobes.0 {
             Kind::Lambert(albedo) => !albedo.is_black(),
             Kind::Layered(layers) => layers.has_non_delta(),
+        }
+    }
+    /// Whether a lobe is narrow: what it reflects of a small light is a caustic.
+    #[inline]
+    pub fn focuses(&self) -> bool {
+        self.lobes.focuses()
+    }
+    /// Whether a lobe is wide: caustics show on it.
+    #[inline]
+    pub fn scatters(&self) -> bool {
+        match &self.lobes.0 {
+            Kind::Lambert(albedo) => !albedo.is_black(),
+            Kind::Layered(layers) => !layers.diffuse.is_black() || layers.widths().any(|alpha| alpha >= NARROW_ALPHA),
         }
     }
     /// Whether it reflects nothing at all.

@@ -1,0 +1,31 @@
+//! Caustics: where smooth surfaces throw light on rough ones, and how paths are led to find them.
+//!
+//! A path that leaves a rough surface in any direction seldom finds the small bright reflection of a light in a smooth
+//! one, and counts much where it does: white dots that take long to average out. So photons are first sent from lights
+//! by smooth surfaces to rough ones ([`photons`]), and where they land it is kept from where on the smooth surface they
+//! came ([`map`]). A path that leaves a rough surface there aims at such a place now and then ([`aim`]), by one-sample
+//! multiple importance sampling (Veach & Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo
+//! Rendering"): any map gives the right mean, a good one gives it sooner. Jensen 1995, "Importance Driven Path Tracing
+//! using the Photon Map", keeps directions; places hold beside the point where they were learnt, too.
+
+mod aim;
+mod map;
+mod photons;
+
+use umber_settings::{Integrator, Settings};
+
+use crate::material::RenderMaterial;
+
+pub(crate) use aim::Guided;
+pub(crate) use map::CausticMap;
+
+/// Somebody who watches sees so many samples a pixel before the search.
+const SAMPLES_BEFORE: u32 = 32;
+
+/// After how many samples a pixel caustics are looked for; `None` where there can be none.
+pub(crate) fn are_looked_for_after(settings: &Settings, materials: &[RenderMaterial]) -> Option<u32> {
+    let are_possible = settings.integrator == Integrator::Path
+        && settings.max_bounces >= 2
+        && materials.iter().any(|material| material.lobes.is_some_and(|lobes| lobes.focuses()));
+    are_possible.then_some(if settings.enable_interactive { SAMPLES_BEFORE } else { 0 })
+}

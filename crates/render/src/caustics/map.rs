@@ -1,0 +1,168 @@
+//! Where caustics lie, and from where their light comes.
+
+use rustc_hash::FxHashMap;
+use umber_math::{Point3, Vec3};
+
+use super::aim::{PLACES, Places};
+use super::photons::{self, Landing};
+use crate::film::FilmDesc;
+use crate::scene::RenderScene;
+
+/// Edge of a cell at a distance of 1 from the camera.
+const CELL: f32 = 1.0 / 16.0;
+/// A reflection counts as a caustic where, met by a ray of the BSDF, it is so many times what direct light gives.
+const BRIGHT: f32 = 4.0;
+/// Samples of the picture to one path that sends photons out.
+const SAMPLES_A_PATH: u64 = 64;
+/// Fewer such paths teach too little; more teach little more.
+const PATHS: [u64; 2] = [1 << 13, 1 << 16];
+/// Of the distance between two places, the radius that each gets; and the least and the most, of a cell's edge.
+const RADIUS: f32 = 1.5;
+const RADIUS_BOUNDS: [f32; 2] = [0.02, 1.0];
+
+/// The cells of space that caustics lie in, and for each the places that they come from.
+#[derive(Debug)]
+pub(crate) struct CausticMap {
+    eye: Point3,
+    cells: FxHashMap<Cell, Places>,
+}
+
+/// A cube of space. They grow with the distance from the camera, by powers of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+struct Cell {
+    /// Power of two of the edge, over [`CELL`].
+    level: i32,
+    at: [i32; 3],
+}
+
+impl Cell {
+    /// That of a point, given from the camera.
+    #[inline]
+    fn of(point: Vec3) -> Self {
+        const EXPONENT_BITS: u32 = 8;
+        const BIAS: i32 = 127;
+        let exponent = (point.length_squared().to_bits() >> (31 - EXPONENT_BITS)) as i32 - BIAS;
+        let level = exponent >> 1;
+        // a level is at most half an exponent: its power is a normal number
+        let at = (point * (power_of_two(-level) / CELL)).floor().as_ivec3();
+        Self { level, at: at.to_array() }
+    }
+    fn edge(&self) -> f32 {
+        CELL * power_of_two(self.level)
+    }
+    /// That of a point and those of the points one edge away along each axis, each cell once.
+    fn around(point: Vec3) -> Vec<Self> {
+        let edge = Self::of(point).edge();
+        let step = |i: i32, shift: i32| (i / 3i32.pow(shift as u32) % 3 - 1) as f32 * edge;
+        let mut cells: Vec<_> =
+            (0..27).map(|i| Self::of(point + Vec3::new(step(i, 0), step(i, 1), step(i, 2)))).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+}
+
+#[inline]
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent + 127) as u32) << 23)
+}
+
+impl CausticMap {
+    /// Of a scene as a film shows it, with so many samples a pixel to come; on the threads of the pool that it is
+    /// called in. `None` where no caustics are found, or the samples are too few to pay for a search. Counts rays.
+    pub fn new(scene: &RenderScene, film: &FilmDesc, samples: u32, rays: &mut u64) -> Option<Self> {
+        let [fewest, most] = PATHS;
+        let paths = (film.width as u64 * film.height as u64 * u64::from(samples) / SAMPLES_A_PATH).min(most);
+        if paths < fewest {
+            return None;
+        }
+        let landings = photons::landings(scene, film, paths as u32, rays);
+        // each counts in the cells around its own too: few landings are to fill many cells
+        let eye = scene.camera.position();
+        let around = |landing: &Landing| Cell::around(landing.point.0 - eye.0);
+        let of_landing = |(landing, i)| around(landing).into_iter().map(move |cell| (cell, i));
+        let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
+        entries.sort_unstable();
+        let cells = entries.chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
+            let cell = entries[0].0;
+            let of_cell: Vec<Landing> = entries.iter().map(|(_, i)| landings[*i as usize]).collect();
+            Some((cell, places(&of_cell, cell.edge())?))
+        });
+        let cells: FxHashMap<_, _> = cells.collect();
+        (!cells.is_empty()).then_some(Self { eye, cells })
+    }
+
+    /// The places that caustics at a point come from; `None` where there are none.
+    #[inline]
+    pub fn places(&self, point: Point3) -> Option<&Places> {
+        self.cells.get(&Cell::of(point.0 - self.eye.0))
+    }
+}
+
+/// The places that a cell's caustics come from: of all, as often as they matter. `None` where nothing is a caustic.
+fn places(landings: &[Landing], edge: f32) -> Option<Places> {
+    let direct = landings.iter().map(|landing| landing.direct).sum::<f32>() / landings.len() as f32;
+    let bright = || landings.iter().filter(|landing| landing.reflected > BRIGHT * direct);
+    let sum: f64 = bright().map(|landing| f64::from(landing.weight)).sum();
+    // systematic resampling: one for each PLACES-th part of the weights
+    let (mut passed, mut centers) = (0.0, Vec::with_capacity(PLACES));
+    for landing in bright() {
+        passed += f64::from(landing.weight) / sum;
+        while centers.len() < PLACES && (centers.len() as f64 + 0.5) / PLACES as f64 <= passed {
+            centers.push(landing.origin);
+        }
+    }
+    let centers: [Point3; PLACES] = centers.try_into().ok()?;
+    Some(Places::new(centers.map(|center| (center, radius(center, &centers, edge)))))
+}
+
+/// How far around a place there may be others: as far as from it to the second of those that are known.
+fn radius(center: Point3, centers: &[Point3], edge: f32) -> f32 {
+    let mut apart: Vec<f32> = centers.iter().map(|other| other.distance(center)).filter(|d| *d > 0.0).collect();
+    apart.sort_by(f32::total_cmp);
+    let [least, most] = RADIUS_BOUNDS.map(|bound| bound * edge);
+    apart.get(1).or(apart.first()).map_or(0.25 * edge, |distance| (RADIUS * distance).clamp(least, most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_grow_with_the_distance() {
+        let of = |x: f32| Cell::of(Vec3::new(x, 0.0, 0.0));
+        assert_eq!((of(1.0).edge(), of(1.9).edge(), of(2.0).edge(), of(1024.0).edge()), (CELL, CELL, 2.0 * CELL, 64.0));
+        assert_eq!(
+            (of(1.001), of(1.001 + CELL)),
+            (Cell { level: 0, at: [16, 0, 0] }, Cell { level: 0, at: [17, 0, 0] })
+        );
+        assert_eq!(of(1.999).level + 1, of(2.001).level);
+        for odd in [0.0, f32::MIN_POSITIVE, 1e-30, 1e30, f32::MAX, f32::INFINITY, f32::NAN] {
+            assert!(of(odd).edge() > 0.0);
+        }
+    }
+
+    #[test]
+    fn what_lies_around_a_point_has_each_cell_once() {
+        let around = Cell::around(Vec3::new(0.0, 0.0, 1.5));
+        assert_eq!(around.len(), 27);
+        // where cells grow, cells of both sizes
+        let around = Cell::around(Vec3::new(0.0, 0.0, 2.0));
+        assert!(around.iter().any(|cell| cell.level == 0) && around.iter().any(|cell| cell.level == 1));
+    }
+
+    fn landing(x: f32, weight: f32, reflected: f32) -> Landing {
+        Landing { point: Point3::default(), origin: Point3(Vec3::new(x, 0.0, 0.0)), weight, reflected, direct: 1.0 }
+    }
+
+    #[test]
+    fn places_are_as_many_as_their_weights() {
+        let landings = [landing(1.0, 3.0, 100.0), landing(2.0, 1.0, 100.0), landing(3.0, 100.0, 2.0)];
+        let at = |x: f32| (Point3(Vec3::new(x, 0.0, 0.0)), 0.75f32);
+        let expected: [_; PLACES] = std::array::from_fn(|i| at(if i < 6 { 1.0 } else { 2.0 }));
+        // what is no brighter than direct light is no caustic, whatever its weight
+        let edge = 0.75;
+        assert_eq!(places(&landings, edge), Some(Places::new(expected)));
+        assert_eq!(places(&landings[2..], edge), None);
+    }
+}
