@@ -11,7 +11,7 @@ use super::placement::Placement;
 use super::project::Grid;
 use super::reach::Reach;
 use super::square::{SQUARE, Square};
-use crate::clusters::{CLUSTER, Cluster, ClusterTriangle, LANES};
+use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
 
 /// Clusters that one thread looks at, at a time.
@@ -40,8 +40,8 @@ impl Entry {
 
 /// Number of a triangle among those of a square's entries: less than 2²⁶ of them, which take more memory than there is.
 #[inline(always)]
-pub fn number(entry: usize, triangle: usize) -> u32 {
-    (entry * CLUSTER + triangle) as u32
+pub fn number(entry: usize, triangle: u32) -> u32 {
+    (entry * CLUSTER) as u32 + triangle
 }
 
 /// What has a number.
@@ -49,10 +49,12 @@ pub fn number(entry: usize, triangle: usize) -> u32 {
 pub struct Seen<'a> {
     /// Index of the placement.
     pub placement: u32,
-    /// The cluster.
-    pub cluster: Cluster<'a>,
-    /// Its triangle.
-    pub triangle: ClusterTriangle,
+    /// Triangle of its mesh.
+    pub triangle: u32,
+    /// The cluster that has it.
+    cluster: Cluster<'a>,
+    /// Its corners there.
+    corners: [u8; 3],
 }
 
 impl<'a> Seen<'a> {
@@ -60,14 +62,15 @@ impl<'a> Seen<'a> {
     #[inline]
     pub fn new(scene: &'a RenderScene, placements: &[Placement], entries: &[Entry], number: u32) -> Self {
         let entry = entries[number as usize / CLUSTER];
-        let cluster = entry.cluster(scene, placements);
-        Self { placement: entry.placement, cluster, triangle: cluster.triangles[number as usize % CLUSTER] }
+        let (cluster, at) = (entry.cluster(scene, placements), number as usize % CLUSTER);
+        let (triangle, corners) = (cluster.indices[at], cluster.corners[at]);
+        Self { placement: entry.placement, triangle, cluster, corners }
     }
 
     /// Its corners, object space.
     #[inline(always)]
     pub fn corners(&self) -> [Point3; 3] {
-        let [a, b, c] = self.triangle.corners;
+        let [a, b, c] = self.corners;
         [self.corner(a), self.corner(b), self.corner(c)]
     }
 
@@ -79,7 +82,7 @@ impl<'a> Seen<'a> {
 
     /// Of what is as near, the smallest is seen: the one that a ray meets first.
     pub fn rank(&self) -> (u32, u32) {
-        (self.placement, self.triangle.index)
+        (self.placement, self.triangle)
     }
 }
 

@@ -9,7 +9,7 @@ use super::centers::barycentrics;
 use super::clip::clip;
 use super::fill::{Rules, Triangle};
 use super::placement::Placement;
-use super::project::{Grid, Vertex};
+use super::project::{Grid, Vertex, Vertices};
 use super::square::Square;
 use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
@@ -26,16 +26,19 @@ pub struct Drawer<'a> {
     grid: &'a Grid,
     placements: &'a [Placement],
     arch: Arch,
-    /// Points of the cluster under way.
-    corners: Box<[Corner; POINTS]>,
+    points: Points,
+    /// Triangles of the cluster under way that may cover something, and what their boxes hold.
+    boxed: [(u32, [i32; 4]); CLUSTER],
 }
 
-/// A corner on the grid: its vertex's place, and that mirrored: of several the least is the box around them.
-#[derive(Clone, Copy)]
-struct Corner {
-    mirrored: [i32; 4],
-    nearness: f32,
+/// Points of the cluster under way, on the grid.
+struct Points {
+    places: [Mirrored; POINTS],
+    nearness: [f32; POINTS],
 }
+
+/// A place, and the place with both signs changed: of several the least of each is the box around them.
+type Mirrored = [i32; 4];
 
 /// Which pixels' middles of a square lie in a box.
 struct Boxing {
@@ -48,8 +51,8 @@ struct Boxing {
 impl<'a> Drawer<'a> {
     /// Draws placements.
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
-        let corners = Box::new([Corner { mirrored: [0; 4], nearness: 0.0 }; POINTS]);
-        Self { scene, grid, placements, arch: Arch::new(), corners }
+        let points = Points { places: [[0; 4]; POINTS], nearness: [0.0; POINTS] };
+        Self { scene, grid, placements, arch: Arch::new(), points, boxed: [(0, [0; 4]); CLUSTER] }
     }
 
     /// Draws a square's entries, which come from front to back: those behind are hidden when it is their turn.
@@ -61,32 +64,23 @@ impl<'a> Drawer<'a> {
     fn draw_entry(&mut self, square: &mut Square, entries: &[Entry], at: usize) {
         let placement = &self.placements[entries[at].placement as usize];
         let cluster = entries[at].cluster(self.scene, self.placements);
-        for (block, corners) in cluster.points.iter().zip(self.corners.chunks_exact_mut(LANES)) {
-            let vertices = self.grid.place_block(&placement.film_from_object, block);
-            for i in 0..LANES {
-                corners[i] = Corner::new(vertices[i]);
-            }
+        for (i, block) in cluster.points.iter().enumerate() {
+            self.points.set(i * LANES, &self.grid.place_block(&placement.film_from_object, block));
         }
         let boxing = Boxing::new(self.grid, square);
         // most triangles cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
-        let (mut boxed, mut count) = ([(0, [0; 4]); CLUSTER], 0);
-        for (i, triangle) in cluster.triangles.iter().enumerate() {
-            let [a, b, c] = triangle.corners;
-            let pixels = boxing.pixels(self.corner(a), self.corner(b), self.corner(c));
-            boxed[count] = (i, pixels);
+        let mut count = 0;
+        for (i, [a, b, c]) in cluster.corners.iter().enumerate() {
+            let pixels = boxing.pixels(self.points.place(*a), self.points.place(*b), self.points.place(*c));
+            self.boxed[count % CLUSTER] = (i as u32, pixels);
             count += usize::from(!is_empty(pixels));
         }
         let draw = Draw { scene: self.scene, grid: self.grid, placements: self.placements, placement, entries, cluster };
-        for (i, [x0, y0, x1, y1]) in &boxed[..count] {
-            let [a, b, c] = cluster.triangles[*i].corners;
-            let corners = [self.corner(a).vertex(), self.corner(b).vertex(), self.corner(c).vertex()];
+        for (i, [x0, y0, x1, y1]) in &self.boxed[..count] {
+            let [a, b, c] = cluster.corners[*i as usize];
+            let corners = [self.points.vertex(a), self.points.vertex(b), self.points.vertex(c)];
             draw.draw(square, corners, number(at, *i), [[*x0, -x1], [*y0, -y1]]);
         }
-    }
-
-    #[inline(always)]
-    fn corner(&self, number: u8) -> &Corner {
-        &self.corners[usize::from(number)]
     }
 }
 
@@ -110,19 +104,31 @@ impl WithSimd for DrawSquare<'_, '_> {
     }
 }
 
-impl Corner {
+impl Points {
+    /// Sets some, from `first` on.
     #[inline(always)]
-    fn new(vertex: Vertex) -> Self {
-        let Vertex { x, y, nearness } = vertex;
-        // boxes around what has no place reach everywhere
-        let (mirrored_x, mirrored_y) = if vertex.is_off_grid() { (x, y) } else { (-x, -y) };
-        Self { mirrored: [x, y, mirrored_x, mirrored_y], nearness }
+    fn set(&mut self, first: usize, vertices: &Vertices) {
+        for i in 0..LANES {
+            let vertex = vertices.get(i);
+            (self.places[first + i], self.nearness[first + i]) = (mirrored(&vertex), vertex.nearness);
+        }
     }
     #[inline(always)]
-    fn vertex(&self) -> Vertex {
-        let [x, y, ..] = self.mirrored;
-        Vertex { x, y, nearness: self.nearness }
+    fn place(&self, number: u8) -> &Mirrored {
+        &self.places[usize::from(number)]
     }
+    #[inline(always)]
+    fn vertex(&self, number: u8) -> Vertex {
+        let [x, y, ..] = *self.place(number);
+        Vertex { x, y, nearness: self.nearness[usize::from(number)] }
+    }
+}
+
+#[inline(always)]
+fn mirrored(vertex: &Vertex) -> Mirrored {
+    let Vertex { x, y, .. } = *vertex;
+    // boxes around what has no place reach everywhere
+    if vertex.is_off_grid() { [x, y, x, y] } else { [x, y, -x, -y] }
 }
 
 impl Boxing {
@@ -136,10 +142,10 @@ impl Boxing {
     }
     /// First column and row whose middles lie in the box, and the last ones, negative.
     #[inline(always)]
-    fn pixels(&self, a: &Corner, b: &Corner, c: &Corner) -> [i32; 4] {
+    fn pixels(&self, a: &Mirrored, b: &Mirrored, c: &Mirrored) -> [i32; 4] {
         let mut pixels = [0; 4];
         for i in 0..4 {
-            let least = a.mirrored[i].min(b.mirrored[i]).min(c.mirrored[i]);
+            let least = a[i].min(b[i]).min(c[i]);
             pixels[i] = ((least + self.shift[i]) >> self.bits).max(self.square[i]);
         }
         pixels
@@ -186,7 +192,7 @@ impl Draw<'_> {
         let positions = corners.map(|p: Point3| self.placement.film_from_object.apply(p));
         let boxing = Boxing::new(self.grid, square);
         clip(self.grid, positions, |corners| {
-            let [a, b, c] = corners.map(Corner::new);
+            let [a, b, c] = corners.each_ref().map(mirrored);
             let pixels = boxing.pixels(&a, &b, &c);
             let [x0, y0, x1, y1] = pixels;
             if !is_empty(pixels) {
@@ -208,7 +214,7 @@ impl Draw<'_> {
 
     /// Index in the mesh of a triangle of the cluster.
     fn index(&self, number: u32) -> u32 {
-        self.cluster.triangles[number as usize % CLUSTER].index
+        self.cluster.indices[number as usize % CLUSTER]
     }
 }
 

@@ -57,6 +57,22 @@ impl Vertex {
     }
 }
 
+/// Some projected vertices, as [`Vertex`].
+#[derive(Clone, Copy, Debug)]
+pub struct Vertices {
+    x: [i32; LANES],
+    y: [i32; LANES],
+    nearness: [f32; LANES],
+}
+
+impl Vertices {
+    /// One of them.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vertex {
+        Vertex { x: self.x[i], y: self.y[i], nearness: self.nearness[i] }
+    }
+}
+
 /// The film's grid.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
@@ -157,8 +173,13 @@ impl Grid {
         let scale = 1.0 / self.weight(&p);
         let (x, y) = (p.x * scale, p.y * scale);
         // false for what is not a number, too
-        let on_grid = p.distance >= self.near && x.abs() < self.guard && y.abs() < self.guard;
-        if on_grid { self.vertex(x, y, scale, p.distance) } else { Vertex::OFF_GRID }
+        let on_grid = (p.distance >= self.near) & (x.abs() < self.guard) & (y.abs() < self.guard);
+        let vertex = self.vertex(x, y, scale, p.distance);
+        Vertex {
+            x: if on_grid { vertex.x } else { Vertex::OFF_GRID.x },
+            y: if on_grid { vertex.y } else { Vertex::OFF_GRID.y },
+            nearness: vertex.nearness,
+        }
     }
 
     /// The place of a position that was clipped: where rounding leads beside the grid, its nearest place.
@@ -195,10 +216,11 @@ impl Grid {
 
     /// The places of some points; `film_from_object`: of their object.
     #[inline(always)]
-    pub fn place_block(&self, film_from_object: &FilmFromObject, [x, y, z]: &PointBlock) -> [Vertex; LANES] {
-        let mut vertices = [Vertex::OFF_GRID; LANES];
+    pub fn place_block(&self, film_from_object: &FilmFromObject, [x, y, z]: &PointBlock) -> Vertices {
+        let mut vertices = Vertices { x: [0; LANES], y: [0; LANES], nearness: [0.0; LANES] };
         for i in 0..LANES {
-            vertices[i] = self.place(film_from_object.apply(Point3(Vec3::new(x[i], y[i], z[i]))));
+            let vertex = self.place(film_from_object.apply(Point3(Vec3::new(x[i], y[i], z[i]))));
+            (vertices.x[i], vertices.y[i], vertices.nearness[i]) = (vertex.x, vertex.y, vertex.nearness);
         }
         vertices
     }

@@ -80,7 +80,7 @@ impl<'a> VisibleTriangle<'a> {
         origin: [i32; 2],
     ) -> Self {
         let placement = &placements[seen.placement as usize];
-        let (mesh, index) = (placement.mesh(scene), seen.triangle.index);
+        let (mesh, index) = (placement.mesh(scene), seen.triangle);
         let corners = seen.corners();
         let weights = weights(grid, &placement.film_from_object, &corners, origin);
         let material = scene.materials.get(mesh.material_of(index) as usize);
