@@ -5,13 +5,12 @@
 //! one that rays meet first is seen. A fill rule such as "top left" would give it to one of them alone, by where that
 //! lies on the film; that matters where colours are mixed, which they are not here.
 //!
-//! Several pixels of a row are tested at once, by plain loops over arrays that compilers make vector instructions of.
+//! Several pixels of a row are tested at once.
 
-use std::ops::{Add, BitOr, Mul};
+use wide::{f32x4, i32x4};
 
 use super::project::{Grid, Vertex};
-use super::square::{NOTHING, Pixels, Square};
-use crate::clusters::LANES;
+use super::square::{LANES, NOTHING, Pixels, Square};
 
 /// A projected triangle that may cover pixels' middles.
 #[derive(Clone, Copy, Debug)]
@@ -62,11 +61,11 @@ impl Triangle {
         for edge in &edges {
             longest = longest.max(edge.across.abs()).max(edge.up.abs());
         }
-        let cover = Cover { grid, triangle: self, edges, pixels, nearness: self.most_nearness() };
+        let cover = Cover { grid, triangle: self, edges, pixels };
         if longest <= grid.short {
-            cover.draw::<i32>(square, rules);
+            cover.draw::<Short>(square, rules);
         } else {
-            cover.draw::<i64>(square, rules);
+            cover.draw::<Long>(square, rules);
         }
     }
 
@@ -106,33 +105,77 @@ impl Edge {
     }
 }
 
-/// A whole number in which edge functions are told pixel by pixel.
-trait Whole: Copy + Add<Output = Self> + Mul<Output = Self> + BitOr<Output = Self> + From<i32> {
-    /// Of a number that it has room for.
-    fn of(value: i64) -> Self;
-    /// All bits where it is negative, else none.
-    fn sign(self) -> i32;
+/// The edge functions of a triangle at some pixels of a row.
+trait Lanes: Copy {
+    /// From column `x` of the first row on.
+    fn new(cover: &Cover<'_>, x: i32) -> Self;
+    /// A bit for each pixel that the triangle does not cover.
+    fn outside(&self) -> u32;
+    /// Goes to the next row.
+    fn step(&mut self);
 }
 
-impl Whole for i32 {
+/// Those of short edges, see [`Grid::short`].
+#[derive(Clone, Copy)]
+struct Short {
+    values: [i32x4; 3],
+    steps: [i32x4; 3],
+}
+
+impl Lanes for Short {
     #[inline(always)]
-    fn of(value: i64) -> Self {
-        value as Self
+    fn new(cover: &Cover<'_>, x: i32) -> Self {
+        let columns = i32x4::splat(x - cover.pixels[0][0]) + i32x4::new([0, 1, 2, 3]);
+        let [a, b, c] = &cover.edges;
+        let value = |edge: &Edge| i32x4::splat(cover.whole(edge) as i32) + i32x4::splat(edge.across) * columns;
+        let step = |edge: &Edge| i32x4::splat(edge.up);
+        Self { values: [value(a), value(b), value(c)], steps: [step(a), step(b), step(c)] }
     }
     #[inline(always)]
-    fn sign(self) -> i32 {
-        self >> 31
+    fn outside(&self) -> u32 {
+        let [a, b, c] = self.values;
+        (a | b | c).to_bitmask()
+    }
+    #[inline(always)]
+    fn step(&mut self) {
+        for (value, step) in self.values.iter_mut().zip(self.steps) {
+            *value += step;
+        }
     }
 }
 
-impl Whole for i64 {
+/// Those of edges of any length.
+#[derive(Clone, Copy)]
+struct Long {
+    values: [i64; 3],
+    across: [i64; 3],
+    steps: [i64; 3],
+}
+
+impl Lanes for Long {
     #[inline(always)]
-    fn of(value: i64) -> Self {
-        value
+    fn new(cover: &Cover<'_>, x: i32) -> Self {
+        let column = i64::from(x - cover.pixels[0][0]);
+        Self {
+            values: cover.edges.map(|edge| cover.whole(&edge) + i64::from(edge.across) * column),
+            across: cover.edges.map(|edge| i64::from(edge.across)),
+            steps: cover.edges.map(|edge| i64::from(edge.up)),
+        }
     }
     #[inline(always)]
-    fn sign(self) -> i32 {
-        (self >> 63) as i32
+    fn outside(&self) -> u32 {
+        let ([a, b, c], [a_step, b_step, c_step]) = (self.values, self.across);
+        let mut bits = 0;
+        for i in 0..LANES as i64 {
+            bits |= u32::from(a + a_step * i | b + b_step * i | c + c_step * i < 0) << i;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn step(&mut self) {
+        for (value, step) in self.values.iter_mut().zip(self.steps) {
+            *value += step;
+        }
     }
 }
 
@@ -143,99 +186,57 @@ struct Cover<'a> {
     edges: [Edge; 3],
     /// First and last column, first and last row of the film.
     pixels: [[i32; 2]; 2],
-    /// No less than the triangle's anywhere.
-    nearness: f32,
 }
 
 impl Cover<'_> {
+    /// An edge function at the first pixel, in pixels times grid units: steps from pixel to pixel are whole, and what
+    /// is less than one does not change the sign.
     #[inline(always)]
-    fn draw<T: Whole>(&self, square: &mut Square, rules: &impl Rules) {
+    fn whole(&self, edge: &Edge) -> i64 {
+        edge.value >> self.grid.subpixel_bits
+    }
+
+    #[inline(always)]
+    fn draw<L: Lanes>(&self, square: &mut Square, rules: &impl Rules) {
         let [[x0, x1], [y0, y1]] = self.pixels;
+        let most = f32x4::splat(self.triangle.most_nearness());
         let mut plane = None;
-        let mut x = x0;
-        while x <= x1 {
-            let [mut a, mut b, mut c] = [self.lanes::<T>(0, x), self.lanes::<T>(1, x), self.lanes::<T>(2, x)];
-            let column = (x - square.first[0]) as usize;
+        for x in (x0..x1 + 1).step_by(LANES) {
+            let (mut lanes, column) = (L::new(self, x), (x - square.first[0]) as usize);
             for y in y0..y1 + 1 {
-                let Some(pixels) = square.pixels([column, (y - square.first[1]) as usize]) else { return };
-                let (mut mask, mut any) = ([0; LANES], 0);
-                for i in 0..LANES {
-                    let is_outside = (a[i] | b[i] | c[i]).sign();
-                    mask[i] = !is_outside & -i32::from(pixels.nearness[i] <= self.nearness);
-                    any |= mask[i];
+                let Some(shown) = square.pixels([column, (y - square.first[1]) as usize]) else { return };
+                let hidden = f32x4::new(*shown.nearness).simd_gt(most).to_bitmask();
+                let covered = !(lanes.outside() | hidden) & ((1 << LANES) - 1);
+                if covered != 0 {
+                    let plane: &Plane = plane.get_or_insert_with(|| Plane::new(self));
+                    self.put(shown, covered, plane, [x, y], rules);
                 }
-                if any != 0 {
-                    if plane.is_none() {
-                        plane = Some(Plane::new(self));
-                    }
-                    if let Some(plane) = &plane {
-                        self.put(pixels, mask, &plane.at(x - x0, y - y0), [x, y], rules);
-                    }
-                }
-                for i in 0..LANES {
-                    a[i] = a[i] + T::from(self.edges[0].up);
-                    b[i] = b[i] + T::from(self.edges[1].up);
-                    c[i] = c[i] + T::from(self.edges[2].up);
-                }
+                lanes.step();
             }
-            x += LANES as i32;
         }
     }
 
-    /// An edge function at some pixels of the first row, from column `x` on; in pixels times grid units: steps from
-    /// pixel to pixel are whole, and what is less than one does not change the sign.
+    /// Shows it at those of some pixels for which `covered` has a bit and where nothing is nearer. `pixel`: the first.
     #[inline(always)]
-    fn lanes<T: Whole>(&self, edge: usize, x: i32) -> [T; LANES] {
-        let edge = &self.edges[edge];
-        let (value, across) = (T::of(edge.value >> self.grid.subpixel_bits), T::from(edge.across));
-        let mut lanes = [value; LANES];
-        for i in 0..LANES {
-            lanes[i] = lanes[i] + across * T::from(x - self.pixels[0][0] + i as i32);
-        }
-        lanes
-    }
-
-    /// Shows it at those of some pixels that `mask` names and where nothing is nearer. `pixel`: the first of them.
-    #[inline(always)]
-    fn put(
-        &self,
-        shown: Pixels<'_>,
-        mask: [i32; LANES],
-        nearness: &[f32; LANES],
-        [x, y]: [i32; 2],
-        rules: &impl Rules,
-    ) {
-        let (mut drawn, mut is_tie) = ([false; LANES], false);
-        for i in 0..LANES {
-            drawn[i] = mask[i] != 0 && rules.is_there([x + i as i32, y]);
-            is_tie |= drawn[i] & (nearness[i] == shown.nearness[i]);
-        }
-        if is_tie {
-            self.settle(shown.nearness, shown.numbers, &drawn, nearness, rules);
-        }
-        for i in 0..LANES {
-            let is_nearer = drawn[i] & (nearness[i] > shown.nearness[i]);
-            shown.nearness[i] = if is_nearer { nearness[i] } else { shown.nearness[i] };
-            shown.numbers[i] = if is_nearer { self.triangle.number } else { shown.numbers[i] };
+    fn put(&self, shown: Pixels<'_>, mut covered: u32, plane: &Plane, [x, y]: [i32; 2], rules: &impl Rules) {
+        while covered != 0 {
+            let i = covered.trailing_zeros() as usize % LANES;
+            covered &= covered - 1;
+            let x = x + i as i32;
+            let nearness = plane.at(x - self.pixels[0][0], y - self.pixels[1][0]);
+            let (old_nearness, old_number) = (&mut shown.nearness[i], &mut shown.numbers[i]);
+            let is_seen = nearness > *old_nearness || nearness == *old_nearness && self.is_first(*old_number, rules);
+            if is_seen && rules.is_there([x, y]) {
+                (*old_nearness, *old_number) = (nearness, self.triangle.number);
+            }
         }
     }
 
-    /// Decides where it is as near as what is shown.
+    /// Whether it goes before what is shown and as near.
     #[cold]
-    fn settle(
-        &self,
-        shown: &[f32; LANES],
-        numbers: &mut [u32; LANES],
-        drawn: &[bool; LANES],
-        nearness: &[f32; LANES],
-        rules: &impl Rules,
-    ) {
-        for i in 0..LANES {
-            let is_tie = drawn[i] && nearness[i] == shown[i] && numbers[i] != NOTHING;
-            if is_tie && rules.is_first(self.triangle.number, numbers[i]) {
-                numbers[i] = self.triangle.number;
-            }
-        }
+    #[inline(never)]
+    fn is_first(&self, shown: u32, rules: &impl Rules) -> bool {
+        shown != NOTHING && rules.is_first(self.triangle.number, shown)
     }
 }
 
@@ -262,14 +263,9 @@ impl Plane {
             up: (f64::from(of_b.up) * unit * b + f64::from(of_c.up) * unit * c) * per_area,
         }
     }
-    /// At some pixels of a row.
+    /// At a pixel.
     #[inline(always)]
-    fn at(&self, column: i32, row: i32) -> [f32; LANES] {
-        let up = self.up * f64::from(row);
-        let mut nearness = [0.0; LANES];
-        for i in 0..LANES {
-            nearness[i] = (self.value + self.across * f64::from(column + i as i32) + up) as f32;
-        }
-        nearness
+    fn at(&self, column: i32, row: i32) -> f32 {
+        (self.value + self.across * f64::from(column) + self.up * f64::from(row)) as f32
     }
 }

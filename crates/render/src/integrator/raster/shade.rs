@@ -24,7 +24,10 @@ pub struct Shader<'a> {
     placements: &'a [Placement],
     arch: Arch,
     directions: Directions,
-    /// Triangles seen in the tile.
+    /// What is seen in the tile, with the pixels where it was first seen, and the shading normals of its corners.
+    seen: Vec<(Seen<'a>, [i32; 2])>,
+    normals: Vec<Option<[Vec3; 3]>>,
+    /// The same triangles, ready to be shaded.
     triangles: Vec<VisibleTriangle<'a>>,
     /// Index of the triangle of each pixel; [`NONE`] where there is none.
     which: Vec<u32>,
@@ -73,12 +76,13 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        Self { scene, grid, placements, arch: Arch::new(), directions, triangles: Vec::new(), which: Vec::new() }
+        let (seen, normals, triangles, which) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { scene, grid, placements, arch: Arch::new(), directions, seen, normals, triangles, which }
     }
 
     /// Finds what is seen in a tile. False where nothing is.
     pub fn look(&mut self, square: &Square, entries: &[Entry], rect: TileRect) -> bool {
-        self.triangles.clear();
+        self.seen.clear();
         self.which.clear();
         let mut below = [(NOTHING, NONE); TILE];
         for y in rect.y..rect.y + rect.height {
@@ -93,16 +97,31 @@ impl<'a> Shader<'a> {
                         (NOTHING, NONE)
                     } else {
                         let seen = Seen::new(self.scene, self.placements, entries, number);
-                        let pixel = [x as i32, y as i32];
-                        self.triangles.push(VisibleTriangle::new(self.scene, self.grid, self.placements, &seen, pixel));
-                        (number, self.triangles.len() as u32 - 1)
+                        self.seen.push((seen, [x as i32, y as i32]));
+                        (number, self.seen.len() as u32 - 1)
                     };
                 }
                 *below = before;
                 self.which.push(before.1);
             }
         }
+        self.prepare();
         !self.triangles.is_empty()
+    }
+
+    /// Prepares what is seen to be shaded.
+    fn prepare(&mut self) {
+        let (scene, placements) = (self.scene, self.placements);
+        self.normals.clear();
+        self.normals.extend(self.seen.iter().map(|(seen, _)| {
+            let mesh = placements[seen.placement as usize].mesh(scene);
+            Some(mesh.attributes.normals.as_ref()?.at_vertices(&mesh.shape.mesh, seen.triangle))
+        }));
+        self.triangles.clear();
+        for ((seen, pixel), normals) in self.seen.iter().zip(&self.normals) {
+            let placement = &placements[seen.placement as usize];
+            self.triangles.push(VisibleTriangle::new(scene, self.grid, placement, seen, normals, *pixel));
+        }
     }
 
     /// Colours of the tile that was looked at.

@@ -70,25 +70,24 @@ impl Form<Vec3> {
 }
 
 impl<'a> VisibleTriangle<'a> {
-    /// A triangle that is seen at a pixel.
+    /// A triangle that is seen at a pixel, with the shading normals of its corners.
     #[inline(always)]
     pub fn new(
         scene: &'a RenderScene,
         grid: &Grid,
-        placements: &'a [Placement],
+        placement: &'a Placement,
         seen: &Seen<'_>,
+        normals: &Option<[Vec3; 3]>,
         origin: [i32; 2],
     ) -> Self {
-        let placement = &placements[seen.placement as usize];
         let (mesh, index) = (placement.mesh(scene), seen.triangle);
         let corners = seen.corners();
         let weights = weights(grid, &placement.film_from_object, &corners, origin);
         let material = scene.materials.get(mesh.material_of(index) as usize);
-        let normal = match &mesh.attributes.normals {
-            Some(normals) => {
-                let [a, b, c] = normals.at_vertices(&mesh.shape.mesh, index);
+        let normal = match normals {
+            Some([a, b, c]) => {
                 let to_render = &placement.render_from_normal;
-                Form::weighed([to_render.mul_vec3(a), to_render.mul_vec3(b), to_render.mul_vec3(c)], &weights)
+                Form::weighed([to_render.mul_vec3(*a), to_render.mul_vec3(*b), to_render.mul_vec3(*c)], &weights)
             }
             None => {
                 let normal = placement.render_from_normal * face_normal(corners);
