@@ -41,7 +41,7 @@ struct Points {
 type Mirrored = [i32; 4];
 
 /// Which pixels' middles of a square lie in a box.
-struct Boxing {
+pub struct Boxing {
     shift: [i32; 4],
     bits: u32,
     /// The square's first column and row, and its last ones, negative.
@@ -75,7 +75,8 @@ impl<'a> Drawer<'a> {
             self.boxed[count % CLUSTER] = (i as u32, pixels);
             count += usize::from(!is_empty(pixels));
         }
-        let draw = Draw { scene: self.scene, grid: self.grid, placements: self.placements, placement, entries, cluster };
+        let draw =
+            Draw { scene: self.scene, grid: self.grid, placements: self.placements, placement, entries, cluster };
         for (i, [x0, y0, x1, y1]) in &self.boxed[..count] {
             let [a, b, c] = cluster.corners[*i as usize];
             let corners = [self.points.vertex(a), self.points.vertex(b), self.points.vertex(c)];
@@ -132,8 +133,9 @@ fn mirrored(vertex: &Vertex) -> Mirrored {
 }
 
 impl Boxing {
+    /// On a square.
     #[inline(always)]
-    fn new(grid: &Grid, square: &Square) -> Self {
+    pub fn new(grid: &Grid, square: &Square) -> Self {
         let bits = grid.subpixel_bits;
         let up = (1 << bits) - 1;
         let [x, y] = [grid.width, grid.height].map(|pixels| (pixels - 1) << (bits - 1));
@@ -149,6 +151,12 @@ impl Boxing {
             pixels[i] = ((least + self.shift[i]) >> self.bits).max(self.square[i]);
         }
         pixels
+    }
+    /// First and last column, first and last row whose middles lie in the box around a triangle; `None` without any.
+    pub fn range(&self, corners: &[Vertex; 3]) -> Option<[[i32; 2]; 2]> {
+        let [a, b, c] = corners.each_ref().map(mirrored);
+        let pixels @ [x0, y0, x1, y1] = self.pixels(&a, &b, &c);
+        (!is_empty(pixels)).then_some([[x0, -x1], [y0, -y1]])
     }
 }
 
@@ -192,11 +200,8 @@ impl Draw<'_> {
         let positions = corners.map(|p: Point3| self.placement.film_from_object.apply(p));
         let boxing = Boxing::new(self.grid, square);
         clip(self.grid, positions, |corners| {
-            let [a, b, c] = corners.each_ref().map(mirrored);
-            let pixels = boxing.pixels(&a, &b, &c);
-            let [x0, y0, x1, y1] = pixels;
-            if !is_empty(pixels) {
-                self.draw(square, corners, number, [[x0, -x1], [y0, -y1]]);
+            if let Some(pixels) = boxing.range(&corners) {
+                self.draw(square, corners, number, pixels);
             }
         });
     }

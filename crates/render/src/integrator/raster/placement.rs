@@ -104,13 +104,6 @@ impl Walk<'_> {
         let may_be_absent = self.may_be_absent[mesh as usize];
         // the inverse transpose
         let render_from_normal = render_from_object.matrix3.inverse().transpose().as_mat3();
-        self.found.push(Placement {
-            path,
-            mesh,
-            film_from_object,
-            render_from_normal,
-            culled,
-            may_be_absent,
-        });
+        self.found.push(Placement { path, mesh, film_from_object, render_from_normal, culled, may_be_absent });
     }
 }

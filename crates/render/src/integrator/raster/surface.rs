@@ -151,12 +151,7 @@ fn display_color(mesh: &RenderMesh, index: u32, weights: &[Form<f32>; 3]) -> Bas
 ///
 /// A corner's is as the volume that the film position spans with the other two, all homogeneous.
 #[inline(always)]
-fn weights(
-    grid: &Grid,
-    film_from_object: &FilmFromObject,
-    corners: &[Point3; 3],
-    origin: [i32; 2],
-) -> [Form<f32>; 3] {
+fn weights(grid: &Grid, film_from_object: &FilmFromObject, corners: &[Point3; 3], origin: [i32; 2]) -> [Form<f32>; 3] {
     let [x, y] = grid.film_position(origin);
     let mut places = [DVec3::ZERO; 3];
     for (place, corner) in places.iter_mut().zip(corners) {
