@@ -167,7 +167,8 @@ impl Lanes for Long {
         let ([a, b, c], [a_step, b_step, c_step]) = (self.values, self.across);
         let mut bits = 0;
         for i in 0..LANES as i64 {
-            bits |= u32::from(a + a_step * i | b + b_step * i | c + c_step * i < 0) << i;
+            let signs = (a + a_step * i) | (b + b_step * i) | (c + c_step * i);
+            bits |= u32::from(signs < 0) << i;
         }
         bits
     }

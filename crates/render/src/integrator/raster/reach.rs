@@ -83,11 +83,9 @@ impl Around {
     #[inline(always)]
     fn add(&mut self, grid: &Grid, p: &Homogeneous) {
         let scale = 1.0 / grid.weight(p);
-        let place = [p.x * scale, p.y * scale];
-        for axis in 0..2 {
-            self.low[axis] = less(self.low[axis], place[axis]);
-            self.high[axis] = -less(-self.high[axis], -place[axis]);
-        }
+        let (x, y) = (p.x * scale, p.y * scale);
+        self.low = [less(self.low[0], x), less(self.low[1], y)];
+        self.high = [-less(-self.high[0], -x), -less(-self.high[1], -y)];
         self.distance = less(self.distance, p.distance);
     }
 
