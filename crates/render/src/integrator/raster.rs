@@ -18,7 +18,8 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use umber_settings::Settings;
 
 use super::Stop;
@@ -41,18 +42,28 @@ pub fn settings(given: &Settings) -> Settings {
 pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
     let grid = Grid::new(scene.camera.view(), film.desc().width, film.desc().height);
     let placements = placement::visible(scene, &grid, stop);
-    let mut bins = Bins::new(scene, &grid, &placements, stop);
-    let work = bins.squares().into_par_iter().enumerate().map_init(
-        || Worker::new(scene, &grid, &placements),
-        |worker, (index, entries)| if stop.now() { 0 } else { worker.render(index, entries, film) },
-    );
-    work.sum()
+    let bins = Bins::new(scene, &grid, &placements, stop);
+    // each thread takes the next square: some are much more work than others
+    let next = AtomicUsize::new(0);
+    let shares = rayon::broadcast(|_| {
+        let (mut worker, mut pixels) = (Worker::new(scene, &grid, &placements), 0);
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= bins.square_count() || stop.now() {
+                return pixels;
+            }
+            pixels += worker.render(index, bins.square(index), film);
+        }
+    });
+    shares.into_iter().sum()
 }
 
 /// What renders squares, one a thread.
 struct Worker<'a> {
     grid: &'a Grid,
     square: Square,
+    /// The square's, from front to back.
+    entries: Vec<Entry>,
     drawer: Drawer<'a>,
     shader: Shader<'a>,
 }
@@ -60,29 +71,31 @@ struct Worker<'a> {
 impl<'a> Worker<'a> {
     fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let (drawer, shader) = (Drawer::new(scene, grid, placements), Shader::new(scene, grid, placements));
-        Self { grid, square: Square::new(), drawer, shader }
+        Self { grid, square: Square::new(), entries: Vec::new(), drawer, shader }
     }
 
     /// Draws and shades a square. How many pixels it has.
-    fn render(&mut self, index: usize, entries: &mut [Entry], film: &Film) -> u64 {
+    fn render(&mut self, index: usize, entries: &[Entry], film: &Film) -> u64 {
         self.square.start(self.grid, index);
+        self.entries.clear();
+        self.entries.extend(entries);
         if !entries.is_empty() {
-            entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
-            self.drawer.draw(&mut self.square, entries);
-            self.shade(entries, film);
+            self.entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
+            self.drawer.draw(&mut self.square, &self.entries);
+            self.shade(film);
         }
         self.square.size.into_iter().map(|pixels| pixels as u64).product()
     }
 
     /// Shades the square's pixels into the film's tiles; those where nothing is seen stay without samples, which looks
     /// the same.
-    fn shade(&mut self, entries: &[Entry], film: &Film) {
+    fn shade(&mut self, film: &Film) {
         let ([x, y], [width, height]) = (self.square.first.map(|v| v as usize), self.square.size.map(|v| v as usize));
         let corners = (y..y + height).step_by(TILE).flat_map(|row| (x..x + width).step_by(TILE).map(move |x| (x, row)));
         for (x, y) in corners {
             let index = film.tile_at(x, y);
             let rect = film.tile(index).rect;
-            if !self.shader.look(&self.square, entries, rect) {
+            if !self.shader.look(&self.square, &self.entries, rect) {
                 continue;
             }
             // in the memory of an older picture, if there was one

@@ -138,15 +138,13 @@ impl Bins {
         Self { entries, starts }
     }
 
-    /// Those of each square, which can be put in another order.
-    pub fn squares(&mut self) -> Vec<&mut [Entry]> {
-        let (mut rest, mut squares) = (&mut *self.entries, Vec::with_capacity(self.starts.len()));
-        for range in self.starts.windows(2) {
-            let (square, after) = rest.split_at_mut(range[1] - range[0]);
-            squares.push(square);
-            rest = after;
-        }
-        squares
+    /// How many squares there are.
+    pub fn square_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+    /// The entries of a square, in no order.
+    pub fn square(&self, index: usize) -> &[Entry] {
+        &self.entries[self.starts[index]..self.starts[index + 1]]
     }
 }
 
