@@ -82,7 +82,8 @@ impl<T: AttributeValue> Attribute<T> {
             Interpolation::Varying | Interpolation::Vertex => mesh.triangles.get(t).copied(),
             Interpolation::FaceVarying => mesh.corners.get(t).copied(),
         };
-        indices.map_or([T::default(); 3], |i| i.map(|k| self.value(k)))
+        let Some([a, b, c]) = indices else { return [T::default(); 3] };
+        [self.value(a), self.value(b), self.value(c)]
     }
 
     #[inline]

@@ -1,52 +1,69 @@
 //! A mesh's triangles in small groups that lie close together: what a rasteriser draws or passes over at once.
 
+use rayon::prelude::*;
 use umber_math::{Bounds3, Point3, Vec3};
 
 /// Triangles of a group, at most.
 pub const CLUSTER: usize = 64;
-/// Bits of a coordinate by which triangles are sorted.
-const BITS: u32 = 10;
+/// Points that are projected at a time.
+pub const LANES: usize = 8;
+/// Triangles that one thread sorts by itself.
+const SORTED_ALONE: usize = 1 << 12;
 
-/// A triangle of a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ClusterTriangle {
-    /// Its points.
-    pub points: [u32; 3],
-    /// Which of the mesh's it is.
-    pub index: u32,
+/// Eight points: their first coordinates, their second, their third.
+pub type PointBlock = [[f32; LANES]; 3];
+
+/// A group of triangles, with points of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Cluster<'a> {
+    /// Its points, each once, object space; what the last block has beyond them repeats one.
+    pub points: &'a [PointBlock],
+    /// Corners of its triangles, among its points.
+    pub corners: &'a [[u8; 3]],
+    /// Which of the mesh's triangles those are.
+    pub indices: &'a [u32],
 }
 
 /// Groups of triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Clusters {
-    triangles: Vec<ClusterTriangle>,
+    points: Vec<PointBlock>,
+    corners: Vec<[u8; 3]>,
+    indices: Vec<u32>,
+    /// Of each group, and of their end.
+    first_blocks: Vec<u32>,
     bounds: Vec<Bounds3>,
 }
 
 impl Clusters {
-    /// Groups triangles along a Morton curve. `bounds`: around all.
-    pub fn new(points: &[Vec3], triangles: &[[u32; 3]], bounds: Bounds3) -> Self {
-        let corners = |t: &[u32; 3]| t.map(|i| points[i as usize]);
-        let scale = bounds.size().max(Vec3::splat(f32::MIN_POSITIVE)).recip() * (1 << BITS) as f32 / 3.0;
-        let key = |(index, t): (u32, &[u32; 3])| {
-            let [a, b, c] = corners(t);
-            // the casts saturate, and take what is not a number for zero
-            let cell = ((a + b + c - bounds.min * 3.0) * scale).to_array().map(|v| (v as u32).min((1 << BITS) - 1));
-            u64::from(morton(cell)) << 32 | u64::from(index)
+    /// Groups triangles: halves them by where they are, until few are left.
+    pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let center = |(index, t): (usize, &[u32; 3])| {
+            let [a, b, c] = t.map(|i| points[i as usize]);
+            (a + b + c, index as u32)
         };
-        let mut keys: Vec<u64> = (0..).zip(triangles).map(key).collect();
-        keys.sort_unstable();
-        let taken = |key: u64| ClusterTriangle { points: triangles[key as u32 as usize], index: key as u32 };
-        let triangles: Vec<ClusterTriangle> = keys.into_iter().map(taken).collect();
-        let around =
-            |group: &[ClusterTriangle]| Bounds3::of_points(group.iter().flat_map(|t| corners(&t.points)).map(Point3));
-        let bounds = triangles.chunks(CLUSTER).map(around).collect();
-        Self { triangles, bounds }
+        let mut order: Vec<(Vec3, u32)> = triangles.par_iter().enumerate().map(center).collect();
+        halve(&mut order);
+        let group = |order: &[(Vec3, u32)]| Group::new(points, triangles, order.iter().map(|(_, index)| *index));
+        let groups: Vec<Group> = order.par_chunks(CLUSTER).map(group).collect();
+        let mut all = Self { first_blocks: vec![0], ..Self::default() };
+        for group in groups {
+            all.points.extend(group.points);
+            all.corners.extend(group.corners);
+            all.indices.extend(group.indices);
+            all.first_blocks.push(all.points.len() as u32);
+            all.bounds.push(group.bounds);
+        }
+        all
     }
 
     /// Bytes they take.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.triangles) + size_of_val(&*self.bounds)
+        size_of_val(&*self.points)
+            + size_of_val(&*self.corners)
+            + size_of_val(&*self.indices)
+            + size_of_val(&*self.first_blocks)
+            + size_of_val(&*self.bounds)
     }
     /// How many groups there are.
     pub fn len(&self) -> usize {
@@ -56,17 +73,61 @@ impl Clusters {
     pub fn bounds(&self, cluster: usize) -> Bounds3 {
         self.bounds[cluster]
     }
-    /// The triangles of a group.
-    pub fn triangles(&self, cluster: usize) -> &[ClusterTriangle] {
-        let start = cluster * CLUSTER;
-        &self.triangles[start..self.triangles.len().min(start + CLUSTER)]
+    /// A group.
+    pub fn get(&self, cluster: usize) -> Cluster<'_> {
+        let [first, end] = [cluster, cluster + 1].map(|i| self.first_blocks[i] as usize);
+        let triangles = cluster * CLUSTER..self.indices.len().min((cluster + 1) * CLUSTER);
+        let (corners, indices) = (&self.corners[triangles.clone()], &self.indices[triangles]);
+        Cluster { points: &self.points[first..end], corners, indices }
     }
 }
 
-/// The bits of three numbers in turn.
-fn morton(cell: [u32; 3]) -> u32 {
-    let spread = |v: u32| (0..BITS).fold(0, |bits, i| bits | (v >> i & 1) << (3 * i));
-    spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
+/// A group under construction.
+struct Group {
+    points: Vec<PointBlock>,
+    corners: Vec<[u8; 3]>,
+    indices: Vec<u32>,
+    bounds: Bounds3,
+}
+
+impl Group {
+    /// Of some of a mesh's triangles.
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], indices: impl Iterator<Item = u32> + Clone) -> Self {
+        let mut used: Vec<u32> = indices.clone().flat_map(|index| triangles[index as usize]).collect();
+        used.sort_unstable();
+        used.dedup();
+        // each triangle has three at most: their numbers fit in a byte
+        let local = |point: u32| used.partition_point(|p| *p < point) as u8;
+        let point = |i: &u32| points[*i as usize];
+        let block = |used: &[u32]| -> PointBlock {
+            std::array::from_fn(|axis| std::array::from_fn(|lane| point(used.get(lane).unwrap_or(&used[0]))[axis]))
+        };
+        Self {
+            points: used.chunks(LANES).map(block).collect(),
+            corners: indices.clone().map(|index| triangles[index as usize].map(local)).collect(),
+            indices: indices.collect(),
+            bounds: Bounds3::of_points(used.iter().map(|i| Point3(point(i)))),
+        }
+    }
+}
+
+/// Sorts what lies somewhere so that each [`CLUSTER`] of them lie close together: across the longest side of the box
+/// around them into halves, and those in turn.
+fn halve(order: &mut [(Vec3, u32)]) {
+    if order.len() <= CLUSTER {
+        return;
+    }
+    let size = Bounds3::of_points(order.iter().map(|(center, _)| Point3(*center))).size();
+    let axis = if size.max_element() == size.x { 0 } else { 1 + usize::from(size.z > size.y) };
+    let middle = (order.len() / 2).next_multiple_of(CLUSTER);
+    order.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+    let (low, high) = order.split_at_mut(middle);
+    if low.len() > SORTED_ALONE {
+        rayon::join(|| halve(low), || halve(high));
+    } else {
+        halve(low);
+        halve(high);
+    }
 }
 
 #[cfg(test)]
@@ -78,17 +139,19 @@ mod tests {
         let points: Vec<Vec3> =
             (0..600).map(|i| Vec3::new((i % 7) as f32, (i % 11) as f32, (i * i % 13) as f32)).collect();
         let triangles: Vec<[u32; 3]> = (0..200).map(|i| [i * 3, i * 3 + 1, i * 3 + 2]).collect();
-        let bounds = Bounds3::of_points(points.iter().map(|p| Point3(*p)));
-        let clusters = Clusters::new(&points, &triangles, bounds);
+        let clusters = Clusters::new(&points, &triangles);
         assert_eq!(clusters.len(), 200usize.div_ceil(CLUSTER));
         let mut seen = vec![false; triangles.len()];
         for cluster in 0..clusters.len() {
             let around = clusters.bounds(cluster);
-            for triangle in clusters.triangles(cluster) {
-                assert_eq!(triangle.points, triangles[triangle.index as usize]);
-                assert!(!std::mem::replace(&mut seen[triangle.index as usize], true));
-                for i in triangle.points {
-                    assert_eq!(around.with_point(Point3(points[i as usize])), around);
+            let Cluster { points: blocks, corners, indices } = clusters.get(cluster);
+            for (corners, index) in corners.iter().zip(indices) {
+                assert!(!std::mem::replace(&mut seen[*index as usize], true));
+                for (local, i) in corners.iter().map(|i| usize::from(*i)).zip(triangles[*index as usize]) {
+                    let (block, lane) = (local / LANES, local % LANES);
+                    let point = Vec3::from(blocks[block].map(|lanes| lanes[lane]));
+                    assert_eq!(point, points[i as usize]);
+                    assert_eq!(around.with_point(Point3(point)), around);
                 }
             }
         }

@@ -29,7 +29,7 @@ impl MeshShape {
     }
     /// Its triangles by where they are.
     pub fn clusters(&self) -> &Clusters {
-        self.clusters.get_or_init(|| Clusters::new(&self.points, &self.mesh.triangles, self.bvh.bounds()))
+        self.clusters.get_or_init(|| Clusters::new(&self.points, &self.mesh.triangles))
     }
     /// The corners of a triangle, object space.
     #[inline]

@@ -1,138 +1,250 @@
-//! Triangles of a mesh, drawn at a place.
+//! Triangles of clusters, drawn on a square.
 
-use std::ops::Range;
-
+use pulp::{Arch, Simd, WithSimd};
 use umber_bvh::Hit;
 use umber_math::Point3;
 
+use super::bins::{Entry, Seen, number};
+use super::centers::barycentrics;
 use super::clip::clip;
-use super::fill::{Boxed, Triangle, draw_point};
+use super::fill::{Rules, Triangle};
 use super::placement::Placement;
-use super::project::{Grid, Reach, Vertex};
-use super::shade;
-use super::visibility::{Canvas, Pencil};
-use crate::clusters::{CLUSTER, ClusterTriangle};
+use super::project::{Grid, Vertex, Vertices};
+use super::square::Square;
+use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
 use crate::surface;
 
 /// Surfaces that are more than this present are seen.
 const SEEN_PRESENCE: f32 = 0.5;
+/// What a byte can number: as many points a cluster has at most, and more.
+const POINTS: usize = 256;
 
-/// Some groups of a placement's triangles, and where its points are on the grid.
-#[derive(Clone, Debug)]
-pub struct Piece<'a> {
-    /// The placement.
-    pub placement: &'a Placement,
-    /// Its mesh's points, projected.
-    pub vertices: &'a [Vertex],
-    /// Number by which its first triangle is seen.
-    pub first_number: u32,
-    /// Groups of the mesh's triangles.
-    pub clusters: Range<usize>,
-}
-
-/// Draws pieces.
+/// Draws clusters.
 pub struct Drawer<'a> {
     scene: &'a RenderScene,
     grid: &'a Grid,
-    pencil: Pencil<'a>,
-    /// Clusters of the piece under way, with what they reach.
-    order: Vec<(Option<Reach>, usize)>,
+    placements: &'a [Placement],
+    arch: Arch,
+    points: Points,
+    /// Triangles of the cluster under way that may cover something, and what their boxes hold.
+    boxed: [(u32, [i32; 4]); CLUSTER],
+}
+
+/// Points of the cluster under way, on the grid.
+struct Points {
+    places: [Mirrored; POINTS],
+    nearness: [f32; POINTS],
+}
+
+/// A place, and the place with both signs changed: of several the least of each is the box around them.
+type Mirrored = [i32; 4];
+
+/// Which pixels' middles of a square lie in a box.
+pub struct Boxing {
+    shift: [i32; 4],
+    bits: u32,
+    /// The square's first column and row, and its last ones, negative.
+    square: [i32; 4],
 }
 
 impl<'a> Drawer<'a> {
-    /// Draws on a canvas.
-    pub fn new(scene: &'a RenderScene, canvas: &'a Canvas) -> Self {
-        Self { scene, grid: canvas.grid(), pencil: canvas.pencil(), order: Vec::new() }
+    /// Draws placements.
+    pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
+        let points = Points { places: [[0; 4]; POINTS], nearness: [0.0; POINTS] };
+        Self { scene, grid, placements, arch: Arch::new(), points, boxed: [(0, [0; 4]); CLUSTER] }
     }
 
-    /// Draws a piece: its clusters from front to back, so that those behind are hidden when it is their turn.
-    pub fn draw(&mut self, piece: &Piece<'_>) {
-        let shape = &piece.placement.mesh(self.scene).shape;
-        let film_from_object = &piece.placement.film_from_object;
-        let clusters = shape.clusters();
-        let mut order = std::mem::take(&mut self.order);
-        let reach = |cluster: usize| self.grid.reach(film_from_object, clusters.bounds(cluster));
-        order.extend(piece.clusters.clone().map(|cluster| (reach(cluster), cluster)));
-        // what reaches behind the near plane comes first
-        let nearness = |reach: &Option<Reach>| reach.map_or(f32::INFINITY, |reach| reach.nearness);
-        order.sort_unstable_by(|a, b| nearness(&b.0).total_cmp(&nearness(&a.0)));
-        for (reach, cluster) in order.drain(..) {
-            if !reach.is_some_and(|reach| self.pencil.hides(&reach)) {
-                self.draw_cluster(piece, clusters.triangles(cluster));
-            }
-        }
-        self.order = order;
+    /// Draws a square's entries, which come from front to back: those behind are hidden when it is their turn.
+    pub fn draw(&mut self, square: &mut Square, entries: &[Entry]) {
+        self.arch.dispatch(DrawSquare { drawer: self, square, entries });
     }
 
-    fn draw_cluster(&mut self, piece: &Piece<'_>, triangles: &[ClusterTriangle]) {
-        // most of them cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
-        let (mut boxed, mut count) = ([Boxed::NOTHING; CLUSTER], 0);
-        for triangle in triangles {
-            let number = piece.first_number + triangle.index;
-            let corners = triangle.points.map(|i| piece.vertices[i as usize]);
-            // all three are looked at: one branch, not three
-            if corners.iter().fold(false, |any, v| any | v.is_off_grid()) {
-                self.draw_clipped(piece, number);
-            } else {
-                boxed[count] = Boxed::new(self.grid, corners, number);
-                count += usize::from(!boxed[count].is_empty());
+    #[inline(always)]
+    fn draw_entry(&mut self, square: &mut Square, entries: &[Entry], at: usize) {
+        let placement = &self.placements[entries[at].placement as usize];
+        let cluster = entries[at].cluster(self.scene, self.placements);
+        for (i, block) in cluster.points.iter().enumerate() {
+            self.points.set(i * LANES, &self.grid.place_block(&placement.film_from_object, block));
+        }
+        let boxing = Boxing::new(self.grid, square);
+        // most triangles cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
+        let mut count = 0;
+        for (i, [a, b, c]) in cluster.corners.iter().enumerate() {
+            let pixels = boxing.pixels(self.points.place(*a), self.points.place(*b), self.points.place(*c));
+            self.boxed[count % CLUSTER] = (i as u32, pixels);
+            count += usize::from(!is_empty(pixels));
+        }
+        let draw =
+            Draw { scene: self.scene, grid: self.grid, placements: self.placements, placement, entries, cluster };
+        for (i, [x0, y0, x1, y1]) in &self.boxed[..count] {
+            let [a, b, c] = cluster.corners[*i as usize];
+            let corners = [self.points.vertex(a), self.points.vertex(b), self.points.vertex(c)];
+            draw.draw(square, corners, number(at, *i), [[*x0, -x1], [*y0, -y1]]);
+        }
+    }
+}
+
+/// [`Drawer::draw`], compiled for the processor's vector unit with all that is inlined in it.
+struct DrawSquare<'d, 'a> {
+    drawer: &'d mut Drawer<'a>,
+    square: &'d mut Square,
+    entries: &'d [Entry],
+}
+
+impl WithSimd for DrawSquare<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (i, entry) in self.entries.iter().enumerate() {
+            if !self.square.hides(entry.pixels, entry.nearness) {
+                self.drawer.draw_entry(self.square, self.entries, i);
             }
         }
-        boxed[..count].iter().for_each(|boxed| self.draw_boxed(piece, boxed));
+    }
+}
+
+impl Points {
+    /// Sets some, from `first` on.
+    #[inline(always)]
+    fn set(&mut self, first: usize, vertices: &Vertices) {
+        for i in 0..LANES {
+            let vertex = vertices.get(i);
+            (self.places[first + i], self.nearness[first + i]) = (mirrored(&vertex), vertex.nearness);
+        }
+    }
+    #[inline(always)]
+    fn place(&self, number: u8) -> &Mirrored {
+        &self.places[usize::from(number)]
+    }
+    #[inline(always)]
+    fn vertex(&self, number: u8) -> Vertex {
+        let [x, y, ..] = *self.place(number);
+        Vertex { x, y, nearness: self.nearness[usize::from(number)] }
+    }
+}
+
+#[inline(always)]
+fn mirrored(vertex: &Vertex) -> Mirrored {
+    let Vertex { x, y, .. } = *vertex;
+    // boxes around what has no place reach everywhere
+    if vertex.is_off_grid() { [x, y, x, y] } else { [x, y, -x, -y] }
+}
+
+impl Boxing {
+    /// On a square.
+    #[inline(always)]
+    pub fn new(grid: &Grid, square: &Square) -> Self {
+        let bits = grid.subpixel_bits;
+        let up = (1 << bits) - 1;
+        let [x, y] = [grid.width, grid.height].map(|pixels| (pixels - 1) << (bits - 1));
+        let ([x0, y0], [width, height]) = (square.first, square.size);
+        Self { shift: [x + up, y + up, up - x, up - y], bits, square: [x0, y0, 1 - width - x0, 1 - height - y0] }
+    }
+    /// First column and row whose middles lie in the box, and the last ones, negative.
+    #[inline(always)]
+    fn pixels(&self, a: &Mirrored, b: &Mirrored, c: &Mirrored) -> [i32; 4] {
+        let mut pixels = [0; 4];
+        for i in 0..4 {
+            let least = a[i].min(b[i]).min(c[i]);
+            pixels[i] = ((least + self.shift[i]) >> self.bits).max(self.square[i]);
+        }
+        pixels
+    }
+    /// First and last column, first and last row whose middles lie in the box around a triangle; `None` without any.
+    pub fn range(&self, corners: &[Vertex; 3]) -> Option<[[i32; 2]; 2]> {
+        let [a, b, c] = corners.each_ref().map(mirrored);
+        let pixels @ [x0, y0, x1, y1] = self.pixels(&a, &b, &c);
+        (!is_empty(pixels)).then_some([[x0, -x1], [y0, -y1]])
+    }
+}
+
+/// Whether no pixel is among those.
+#[inline(always)]
+fn is_empty([x0, y0, x1, y1]: [i32; 4]) -> bool {
+    // of two numbers either is more than zero, without a branch
+    (x0 + x1).max(y0 + y1) > 0
+}
+
+/// Draws triangles of a cluster.
+struct Draw<'a> {
+    scene: &'a RenderScene,
+    grid: &'a Grid,
+    placements: &'a [Placement],
+    placement: &'a Placement,
+    entries: &'a [Entry],
+    cluster: Cluster<'a>,
+}
+
+impl Draw<'_> {
+    #[inline(always)]
+    fn draw(&self, square: &mut Square, corners: [Vertex; 3], number: u32, pixels: [[i32; 2]; 2]) {
+        let [a, b, c] = &corners;
+        if a.is_off_grid() | b.is_off_grid() | c.is_off_grid() {
+            return self.draw_clipped(square, number);
+        }
+        let Some(triangle) = Triangle::new(corners, number) else { return };
+        if self.placement.culled[usize::from(triangle.is_clockwise())] {
+            return;
+        }
+        if self.placement.may_be_absent {
+            return self.draw_partly(square, &triangle, number, pixels);
+        }
+        triangle.fill(self.grid, square, pixels, self);
     }
 
     #[cold]
-    fn draw_clipped(&mut self, piece: &Piece<'_>, number: u32) {
-        let corners = piece.placement.mesh(self.scene).shape.triangle(number - piece.first_number);
-        let positions = corners.map(|p: Point3| piece.placement.film_from_object.apply(p));
+    fn draw_clipped(&self, square: &mut Square, number: u32) {
+        let corners = self.placement.mesh(self.scene).shape.triangle(self.index(number));
+        let positions = corners.map(|p: Point3| self.placement.film_from_object.apply(p));
+        let boxing = Boxing::new(self.grid, square);
         clip(self.grid, positions, |corners| {
-            let boxed = Boxed::new(self.grid, corners, number);
-            if !boxed.is_empty() {
-                self.draw_boxed(piece, &boxed);
+            if let Some(pixels) = boxing.range(&corners) {
+                self.draw(square, corners, number, pixels);
             }
         });
     }
 
-    #[inline]
-    fn draw_boxed(&mut self, piece: &Piece<'_>, boxed: &Boxed) {
-        let placement = piece.placement;
-        let [[x0, x1], [y0, y1]] = boxed.pixels;
-        if x0 == x1 && y0 == y1 && !placement.may_be_absent {
-            let square = self.pencil.square_at([x0, y0]);
-            if draw_point(self.grid, boxed, placement.culled, square) {
-                return;
-            }
-        }
-        let Some(triangle) = Triangle::new(boxed) else { return };
-        if placement.culled[usize::from(triangle.is_clockwise())] {
-            return;
-        }
-        if placement.may_be_absent {
-            self.draw_partly(placement, boxed.number - piece.first_number, &triangle);
-        } else {
-            self.pencil.draw(&triangle, None);
+    /// Draws what is there of a triangle.
+    #[cold]
+    fn draw_partly(&self, square: &mut Square, triangle: &Triangle, number: u32, pixels: [[i32; 2]; 2]) {
+        let index = self.index(number);
+        match presence(self.scene, self.placement, index) {
+            Presence::None => {}
+            Presence::Whole => triangle.fill(self.grid, square, pixels, self),
+            Presence::Parts => triangle.fill(self.grid, square, pixels, &Partly { draw: self, index }),
         }
     }
 
-    /// Draws what is there of a triangle.
-    #[cold]
-    fn draw_partly(&mut self, placement: &Placement, index: u32, triangle: &Triangle) {
-        match presence(self.scene, placement, index) {
-            Presence::None => {}
-            Presence::Whole => self.pencil.draw(triangle, None),
-            Presence::Parts => {
-                let corners = placement.mesh(self.scene).shape.triangle(index);
-                let corners = corners.map(|p| placement.film_from_object.apply(p));
-                self.pencil.draw(
-                    triangle,
-                    Some(&|pixel| {
-                        let barycentrics = shade::barycentrics(self.grid, &corners, self.grid.film_position(pixel));
-                        is_there(self.scene, placement, index, barycentrics)
-                    }),
-                );
-            }
-        }
+    /// Index in the mesh of a triangle of the cluster.
+    fn index(&self, number: u32) -> u32 {
+        self.cluster.indices[number as usize % CLUSTER]
+    }
+}
+
+impl Rules for Draw<'_> {
+    fn is_first(&self, number: u32, shown: u32) -> bool {
+        let rank = |number: u32| Seen::new(self.scene, self.placements, self.entries, number).rank();
+        rank(number) < rank(shown)
+    }
+}
+
+/// Rules for a triangle that is there in parts.
+struct Partly<'a> {
+    draw: &'a Draw<'a>,
+    index: u32,
+}
+
+impl Rules for Partly<'_> {
+    fn is_first(&self, number: u32, shown: u32) -> bool {
+        self.draw.is_first(number, shown)
+    }
+    fn is_there(&self, pixel: [i32; 2]) -> bool {
+        let Draw { scene, grid, placement, .. } = self.draw;
+        let corners = placement.mesh(scene).shape.triangle(self.index);
+        let corners = corners.map(|p| placement.film_from_object.apply(p));
+        is_there(scene, placement, self.index, barycentrics(grid, &corners, grid.film_position(pixel)))
     }
 }
 

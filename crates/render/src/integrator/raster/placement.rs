@@ -17,8 +17,6 @@ pub struct Placement {
     pub path: InstancePath,
     /// Its mesh, as the scene numbers it.
     pub mesh: u32,
-    /// Distance of the nearest corner of its box, along the view axis.
-    pub distance: f64,
     /// From its space to the film.
     pub film_from_object: FilmFromObject,
     /// From its normals to render space's; they get another length.
@@ -104,18 +102,8 @@ impl Walk<'_> {
         };
         let culled = if self.mirrored { [away, facing] } else { [facing, away] };
         let may_be_absent = self.may_be_absent[mesh as usize];
-        let distances = bounds.corners().map(|p| film_from_object.apply(p).distance);
-        let distance = distances.into_iter().fold(f64::INFINITY, f64::min);
         // the inverse transpose
         let render_from_normal = render_from_object.matrix3.inverse().transpose().as_mat3();
-        self.found.push(Placement {
-            path,
-            mesh,
-            distance,
-            film_from_object,
-            render_from_normal,
-            culled,
-            may_be_absent,
-        });
+        self.found.push(Placement { path, mesh, film_from_object, render_from_normal, culled, may_be_absent });
     }
 }

@@ -1,12 +1,15 @@
 //! From object space to the film: homogeneous positions, and their places on a fine integer grid.
 
-use umber_math::{Bounds3, DAffine3, DVec2, DVec3, Point3, Vec3};
+use umber_math::{DAffine3, DVec2, DVec3, Point3, Vec3};
 use umber_scene::Projection;
 
 use crate::camera::View;
+use crate::clusters::{LANES, PointBlock};
 
 /// Bits of a coordinate on the grid: edge functions of such coordinates are exact in 64 bits.
 const COORDINATE_BITS: u32 = 29;
+/// Less than any coordinate on the grid.
+const OFF: i32 = -1 << (COORDINATE_BITS + 1);
 /// Least weight of a homogeneous position: what is nearer to the eye is cut off.
 const LEAST_DISTANCE: f64 = 1e-30;
 /// The near plane is moved by this factor, as the camera moves the near ends of its rays.
@@ -45,12 +48,28 @@ pub struct Vertex {
 
 impl Vertex {
     /// Stands for a vertex that has no place on the grid: its triangles must be clipped.
-    pub const OFF_GRID: Self = Self { x: i32::MIN, y: i32::MIN, nearness: 0.0 };
+    pub const OFF_GRID: Self = Self { x: OFF, y: OFF, nearness: 0.0 };
 
     /// Whether it is [`Vertex::OFF_GRID`].
-    #[inline]
+    #[inline(always)]
     pub fn is_off_grid(&self) -> bool {
-        self.x == i32::MIN
+        self.x == OFF
+    }
+}
+
+/// Some projected vertices, as [`Vertex`].
+#[derive(Clone, Copy, Debug)]
+pub struct Vertices {
+    x: [i32; LANES],
+    y: [i32; LANES],
+    nearness: [f32; LANES],
+}
+
+impl Vertices {
+    /// One of them.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vertex {
+        Vertex { x: self.x[i], y: self.y[i], nearness: self.nearness[i] }
     }
 }
 
@@ -63,13 +82,18 @@ pub struct Grid {
     pub height: i32,
     /// Grid units in a pixel: two to this power.
     pub subpixel_bits: u32,
+    /// Edges that are no longer, either way, have edge functions that fit in 32 bits, in pixels times grid units: in the
+    /// triangle's box and a few pixels beside it.
+    pub short: i32,
     /// Largest film position from the middle that has a place on the grid, pixels.
     pub guard: f64,
     /// Whether positions are divided by their distance.
     pub is_perspective: bool,
     /// Distance of the near plane.
     pub near: f64,
-    /// Nearness of the far plane: what is to be seen has more.
+    /// Distance of the far plane.
+    pub far: f64,
+    /// Its nearness: what is to be seen has more.
     pub far_nearness: f32,
     view: View,
 }
@@ -81,13 +105,19 @@ impl Grid {
         let guard_bits = usize::BITS - width.max(height).max(2).leading_zeros();
         let is_perspective = view.projection == Projection::Perspective;
         let near = (view.near * NEAR_SLACK).max(if is_perspective { LEAST_DISTANCE } else { 0.0 });
+        let subpixel_bits = COORDINATE_BITS - guard_bits;
+        // of an edge of l pixels, and what is l + 8 pixels away, no more than 2 l (l + 8) grid units
+        let unit = f64::from(1u32 << subpixel_bits);
+        let short = (16.0 + f64::from(1u32 << 29) / unit).sqrt() - 4.0;
         Self {
             width: width as i32,
             height: height as i32,
-            subpixel_bits: COORDINATE_BITS - guard_bits,
+            subpixel_bits,
+            short: (short * unit) as i32,
             guard: f64::from(1u32 << guard_bits),
             is_perspective,
             near,
+            far: view.far,
             far_nearness: (if is_perspective { 1.0 / view.far } else { -view.far }) as f32,
             view,
         }
@@ -132,18 +162,24 @@ impl Grid {
     }
 
     /// The weight that a position is divided by.
+    #[inline(always)]
     pub fn weight(&self, p: &Homogeneous) -> f64 {
         if self.is_perspective { p.distance } else { 1.0 }
     }
 
     /// The place of a position, [`Vertex::OFF_GRID`] where it has none.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, p: Homogeneous) -> Vertex {
         let scale = 1.0 / self.weight(&p);
         let (x, y) = (p.x * scale, p.y * scale);
         // false for what is not a number, too
-        let on_grid = p.distance >= self.near && x.abs() < self.guard && y.abs() < self.guard;
-        if on_grid { self.vertex(x, y, scale, p.distance) } else { Vertex::OFF_GRID }
+        let on_grid = (p.distance >= self.near) & (x.abs() < self.guard) & (y.abs() < self.guard);
+        let vertex = self.vertex(x, y, scale, p.distance);
+        Vertex {
+            x: if on_grid { vertex.x } else { Vertex::OFF_GRID.x },
+            y: if on_grid { vertex.y } else { Vertex::OFF_GRID.y },
+            nearness: vertex.nearness,
+        }
     }
 
     /// The place of a position that was clipped: where rounding leads beside the grid, its nearest place.
@@ -153,82 +189,41 @@ impl Grid {
         self.vertex(on(p.x), on(p.y), scale, p.distance)
     }
 
-    #[inline]
+    #[inline(always)]
     fn vertex(&self, x: f64, y: f64, scale: f64, distance: f64) -> Vertex {
         /// Added to a number of less than 32 bits, it leaves its nearest integer in the lowest bits.
         const ROUNDER: f64 = 6_755_399_441_055_744.0;
         let unit = f64::from(1u32 << self.subpixel_bits);
-        let rounded = |v: f64| (v * unit + ROUNDER).to_bits() as i32;
         let nearness = if self.is_perspective { scale } else { -distance };
-        Vertex { x: rounded(x), y: rounded(y), nearness: nearness as f32 }
+        Vertex {
+            x: (x * unit + ROUNDER).to_bits() as i32,
+            y: (y * unit + ROUNDER).to_bits() as i32,
+            nearness: nearness as f32,
+        }
     }
 
     /// The middle of a pixel, grid units. `pixels`: of the film in that direction.
-    #[inline]
+    #[inline(always)]
     pub fn center(&self, pixel: i32, pixels: i32) -> i32 {
         (2 * pixel + 1 - pixels) << (self.subpixel_bits - 1)
     }
 
     /// A pixel's middle, from the film's, pixels.
-    #[inline]
+    #[inline(always)]
     pub fn film_position(&self, [x, y]: [i32; 2]) -> [f64; 2] {
         [f64::from(x) + 0.5 - 0.5 * f64::from(self.width), f64::from(y) + 0.5 - 0.5 * f64::from(self.height)]
     }
 
-    /// The pixels whose middles lie between two places, the last one with it.
-    #[inline]
-    pub fn pixels_between(&self, low: i32, high: i32, pixels: i32) -> [i32; 2] {
-        let shift = (pixels - 1) << (self.subpixel_bits - 1);
-        let up = (1 << self.subpixel_bits) - 1;
-        let first = (low + shift + up) >> self.subpixel_bits;
-        let last = (high + shift) >> self.subpixel_bits;
-        [first.max(0), last.min(pixels - 1)]
-    }
-
-    /// Where a box can be on the film, and how near at most. `None`: behind the near plane in part.
-    pub fn reach(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> Option<Reach> {
-        let (mut low, mut high, mut distance) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], f64::INFINITY);
-        for corner in bounds.corners() {
-            let p = film_from_object.apply(corner);
-            let scale = 1.0 / self.weight(&p);
-            for (axis, v) in [p.x * scale, p.y * scale].into_iter().enumerate() {
-                (low[axis], high[axis]) = (low[axis].min(v), high[axis].max(v));
-            }
-            distance = distance.min(p.distance);
+    /// The places of some points; `film_from_object`: of their object.
+    #[inline(always)]
+    pub fn place_block(&self, film_from_object: &FilmFromObject, [x, y, z]: &PointBlock) -> Vertices {
+        let mut vertices = Vertices { x: [0; LANES], y: [0; LANES], nearness: [0.0; LANES] };
+        for i in 0..LANES {
+            let vertex = self.place(film_from_object.apply(Point3(Vec3::new(x[i], y[i], z[i]))));
+            (vertices.x[i], vertices.y[i], vertices.nearness[i]) = (vertex.x, vertex.y, vertex.nearness);
         }
-        let nearness = if self.is_perspective { 1.0 / distance } else { -distance } as f32;
-        // by a pixel more than it is, whatever the rounding
-        let pixels = |axis: usize, pixels: i32| {
-            let half = 0.5 * f64::from(pixels);
-            [((low[axis] + half - 1.0) as i32).max(0), ((high[axis] + half + 1.0) as i32).min(pixels - 1)]
-        };
-        let pixels = [pixels(0, self.width), pixels(1, self.height)];
-        let nearness = nearness + nearness.abs() * 1e-5;
-        (distance > self.near).then_some(Reach { pixels, nearness })
+        vertices
     }
-
-    /// Whether nothing of a box can be on the film.
-    pub fn misses(&self, film_from_object: &FilmFromObject, bounds: Bounds3) -> bool {
-        let corners = bounds.corners().map(|p| film_from_object.apply(p));
-        let [half_x, half_y] = [self.width, self.height].map(|pixels| 0.5 * f64::from(pixels));
-        // a corner that is not a number is beyond nothing
-        let all = |beyond: &dyn Fn(&Homogeneous) -> bool| corners.iter().all(beyond);
-        all(&|p| p.distance < self.near)
-            || all(&|p| p.distance > self.view.far)
-            || all(&|p| p.x < -half_x * self.weight(p))
-            || all(&|p| p.x > half_x * self.weight(p))
-            || all(&|p| p.y < -half_y * self.weight(p))
-            || all(&|p| p.y > half_y * self.weight(p))
-    }
-}
-
-/// Where something can be.
-#[derive(Clone, Copy, Debug)]
-pub struct Reach {
-    /// First and last column, first and last row; the last before the first where it is beside the film.
-    pub pixels: [[i32; 2]; 2],
-    /// No less than its nearness anywhere.
-    pub nearness: f32,
 }
 
 /// A linear form of a point.
@@ -245,7 +240,7 @@ impl Row {
     fn plus(self, o: Self) -> Self {
         Self { axis: self.axis + o.axis, translation: self.translation + o.translation }
     }
-    #[inline]
+    #[inline(always)]
     fn of(&self, p: DVec3) -> f64 {
         self.axis.x * p.x + (self.axis.y * p.y + (self.axis.z * p.z + self.translation))
     }
@@ -261,7 +256,7 @@ pub struct FilmFromObject {
 
 impl FilmFromObject {
     /// The homogeneous position of a point.
-    #[inline]
+    #[inline(always)]
     pub fn apply(&self, p: Point3) -> Homogeneous {
         let p = p.0.as_dvec3();
         Homogeneous { x: self.x.of(p), y: self.y.of(p), distance: self.distance.of(p) }

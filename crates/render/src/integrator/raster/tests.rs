@@ -1,4 +1,4 @@
-//! Coverage on the grid, and batches; what pictures show is tested through sessions (`tests/integrators.rs`).
+//! Coverage on the grid, and what hides what; what pictures show is tested through sessions (`tests/integrators.rs`).
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,9 +8,10 @@ use umber_scene::{Camera, CameraId, MeshId, MeshPatch, Projection, SceneEdit, Su
 use umber_settings::Value;
 
 use super::clip::clip;
-use super::fill::{Boxed, Triangle};
+use super::draw::Boxing;
+use super::fill::{Rules, Triangle};
 use super::project::{Grid, Homogeneous, Vertex};
-use super::visibility::{Canvas, NOTHING};
+use super::square::{NOTHING, Square};
 use crate::camera::RenderCamera;
 use crate::{Aov, BufferFormat, FilmDesc, Session};
 
@@ -28,16 +29,41 @@ fn grid(projection: Projection) -> Grid {
     Grid::new(RenderCamera::new(&camera, &film, DAffine3::IDENTITY).unwrap().view(), SIZE, SIZE)
 }
 
+/// Of what is as near, the smaller number is seen.
+struct ByNumber;
+
+impl Rules for ByNumber {
+    fn is_first(&self, number: u32, shown: u32) -> bool {
+        number < shown
+    }
+}
+
+/// The numbers that are seen at each pixel, of triangles that are drawn in some order.
+fn seen<'a>(grid: &Grid, triangles: impl Iterator<Item = (u32, &'a [Vertex; 3])> + Clone) -> Vec<u32> {
+    let (mut square, mut numbers) = (Square::new(), vec![NOTHING; SIZE * SIZE]);
+    for index in 0..Square::counts(grid).into_iter().product() {
+        square.start(grid, index);
+        let boxing = Boxing::new(grid, &square);
+        for (number, corners) in triangles.clone() {
+            if let (Some(triangle), Some(pixels)) = (Triangle::new(*corners, number), boxing.range(corners)) {
+                triangle.fill(grid, &mut square, pixels, &ByNumber);
+            }
+        }
+        let ([x, y], [width, height]) = (square.first, square.size.map(|v| v as usize));
+        for y in y..y + height as i32 {
+            let at = y as usize * SIZE + x as usize;
+            numbers[at..at + width].copy_from_slice(square.row([x, y], width));
+        }
+    }
+    numbers
+}
+
 /// How many of the triangles cover each pixel, each drawn alone.
 fn covered(grid: &Grid, triangles: &[[Vertex; 3]]) -> Vec<u32> {
     let mut counts = vec![0; SIZE * SIZE];
     for corners in triangles {
-        let mut canvas = Canvas::new(*grid);
-        let boxed = Boxed::new(grid, *corners, NOTHING + 1);
-        if let Some(triangle) = Triangle::new(&boxed).filter(|_| !boxed.is_empty()) {
-            canvas.pencil().draw(&triangle, None);
-        }
-        each_number(&mut canvas, |i, number| counts[i] += u32::from(number != NOTHING));
+        let alone = seen(grid, std::iter::once((0, corners)));
+        counts.iter_mut().zip(alone).for_each(|(count, number)| *count += u32::from(number != NOTHING));
     }
     counts
 }
@@ -82,12 +108,13 @@ fn triangles_that_share_edges_leave_no_hole() {
             })
             .collect();
         let alone: Vec<Vec<u32>> = triangles.iter().map(|t| covered(&grid, std::slice::from_ref(t))).collect();
-        let together = [false, true].map(|backwards| seen(&grid, &triangles, backwards));
+        let numbered = (0..).zip(&triangles);
+        let together = [seen(&grid, numbered.clone()), seen(&grid, numbered.collect::<Vec<_>>().into_iter().rev())];
         assert_eq!(together[0], together[1], "fan {fan}: the order matters");
         for i in 0..SIZE * SIZE {
             let by: Vec<usize> = (0..count).filter(|t| alone[*t][i] > 0).collect();
             shared += u32::from(by.len() > 1);
-            assert_eq!(together[0][i], by.first().map_or(NOTHING, |t| *t as u32 + 1), "fan {fan}");
+            assert_eq!(together[0][i], by.first().map_or(NOTHING, |t| *t as u32), "fan {fan}");
             // what is inside one of them, reckoned apart, is covered
             let half = SIZE as f64 / 2.0;
             let (x, y) = ((i % SIZE) as f64 + 0.5 - half, (i / SIZE) as f64 + 0.5 - half);
@@ -105,37 +132,6 @@ fn triangles_that_share_edges_leave_no_hole() {
         }
     }
     assert!(shared > 100, "edges went through few middles: {shared}");
-}
-
-/// The numbers that are seen, of triangles that are drawn in either order.
-fn seen(grid: &Grid, triangles: &[[Vertex; 3]], backwards: bool) -> Vec<u32> {
-    let mut canvas = Canvas::new(*grid);
-    let mut order: Vec<usize> = (0..triangles.len()).collect();
-    if backwards {
-        order.reverse();
-    }
-    let mut pencil = canvas.pencil();
-    for i in order {
-        let boxed = Boxed::new(grid, triangles[i], i as u32 + 1);
-        if let Some(triangle) = Triangle::new(&boxed).filter(|_| !boxed.is_empty()) {
-            pencil.draw(&triangle, None);
-        }
-    }
-    drop(pencil);
-    let mut numbers = vec![NOTHING; SIZE * SIZE];
-    each_number(&mut canvas, |i, number| numbers[i] = number);
-    numbers
-}
-
-/// Calls `take` with each pixel of a canvas and its number.
-fn each_number(canvas: &mut Canvas, mut take: impl FnMut(usize, u32)) {
-    for square in canvas.squares() {
-        let square = square.get_mut().unwrap();
-        for y in square.first[1]..square.first[1] + square.size[1] {
-            let row = square.row([square.first[0], y], square.size[0] as usize);
-            (square.first[0] as usize..).zip(row).for_each(|(x, number)| take(y as usize * SIZE + x, *number));
-        }
-    }
 }
 
 /// What is cut off at the near plane and around the film covers what rays meet.
@@ -189,9 +185,9 @@ fn points_that_are_no_numbers_cover_nothing() {
     }
 }
 
-/// More points than one batch takes: the same as the path integrator sees.
+/// Triangles that pierce one another, of many meshes: the same as the path integrator sees.
 #[test]
-fn batches_hide_one_another() {
+fn meshes_hide_one_another() {
     let ids = |integrator: &str| {
         let session = Session::new();
         session.set_film(FilmDesc::new(SIZE, SIZE, &[Aov::PrimId, Aov::ElementId]));

@@ -1,0 +1,56 @@
+//! What AOVs keep of what is seen at pixels' middles.
+
+use umber_bvh::Hit;
+use umber_math::{Normal3, Point3, Vector3};
+
+use super::project::{Grid, Homogeneous};
+use super::surface::VisibleTriangle;
+use crate::film::CenterHit;
+use crate::scene::RenderScene;
+use crate::surface;
+
+/// What a triangle shows at a pixel. `direction`: of the view ray.
+pub fn center(
+    scene: &RenderScene,
+    grid: &Grid,
+    triangle: &VisibleTriangle<'_>,
+    pixel: [i32; 2],
+    direction: Vector3,
+) -> CenterHit {
+    let (placement, mesh) = (triangle.placement, triangle.mesh);
+    let corners = mesh.shape.triangle(triangle.index).map(|p| placement.film_from_object.apply(p));
+    let barycentrics = barycentrics(grid, &corners, grid.film_position(pixel));
+    let [p, q, r] = mesh.shape.triangle(triangle.index).map(|p| p.0);
+    let point = Point3(p * barycentrics[0] + q * barycentrics[1] + r * barycentrics[2]);
+    let depths = scene.camera.depths_at(placement.film_from_object.apply(point).distance as f32);
+    // USD's tools show normals towards the viewer; render space is world space, moved
+    let normal = Normal3(triangle.shading_normal(barycentrics)).normalized();
+    let normal = normal.facing(Vector3(-direction.0));
+    let hit = Hit { t: 0.0, barycentrics, mesh: placement.mesh, triangle: triangle.index, path: placement.path };
+    CenterHit {
+        depth: depths.projected,
+        camera_depth: depths.camera,
+        normal: normal.0.to_array(),
+        neye: scene.camera.eye_normal(normal).0.to_array(),
+        prim_id: mesh.prim_id,
+        instance_id: scene.instance_id(&hit),
+        element_id: mesh.shape.mesh.elements[triangle.index as usize] as i32,
+        st: surface::st(scene, &hit).to_array(),
+    }
+}
+
+/// The barycentrics at a film position from the film's middle; each between 0 and 1.
+#[inline]
+pub fn barycentrics(grid: &Grid, corners: &[Homogeneous; 3], [x, y]: [f64; 2]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|p| {
+        let weight = grid.weight(&p);
+        [p.x - x * weight, p.y - y * weight]
+    });
+    // each is as the area that the position spans with the other two
+    let area = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let areas = [area(b, c), area(c, a), area(a, b)];
+    let scale = 1.0 / (areas[0] + areas[1] + areas[2]);
+    let weights = areas.map(|area| (area * scale) as f32);
+    // seen edge on, by rounding alone
+    if scale.is_finite() { weights.map(|w| w.clamp(0.0, 1.0)) } else { [1.0 / 3.0; 3] }
+}
