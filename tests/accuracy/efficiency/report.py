@@ -27,8 +27,8 @@ PARTS = ["scenes", "parsimony", "stability", "document"]
 OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES = 512, 128
 # Seconds that one picture may take: larger counts of that method are left out. Three rounds of seven scenes then
 # take a quarter of an hour at most.
-LONGEST = 5.0
-COST_SAMPLES, UNUSED_SAMPLES, UNUSED_SIZE = 4, 4, (128, 128)
+LONGEST = 4.5
+COST_SAMPLES, UNUSED_SAMPLES, UNUSED_SIZE = 4, 1, (128, 128)
 
 
 def arguments_given() -> argparse.Namespace:
@@ -36,7 +36,7 @@ def arguments_given() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     add_arguments(parser, SCENES, OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--unused-rounds", type=int, default=15, help="of the cost of unused features")
+    parser.add_argument("--unused-rounds", type=int, default=75, help="of the cost of unused features")
     parser.add_argument("--longest", type=float, default=LONGEST, metavar="SECONDS", help="that one picture may take")
     parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS)
     parser.add_argument("--known", type=Path, help="a record to take over what is not measured now")

@@ -9,13 +9,15 @@ use crate::film::FilmDesc;
 use crate::scene::RenderScene;
 
 /// Edge of a cell at a distance of 1 from the camera.
-const CELL: f32 = 1.0 / 16.0;
+const CELL: f32 = 1.0 / 32.0;
 /// A reflection counts as a caustic where, met by a ray of the BSDF, it is so many times what direct light gives.
 const BRIGHT: f32 = 4.0;
 /// Samples of the picture to one path that sends photons out.
 const SAMPLES_A_PATH: u64 = 64;
 /// Fewer such paths teach too little; more teach little more.
 const PATHS: [u64; 2] = [1 << 13, 1 << 16];
+/// One in so many of them is followed first.
+const TRIAL: u32 = 8;
 /// Of the distance between two places, the radius that each gets; and the least and the most, of a cell's edge.
 const RADIUS: f32 = 1.5;
 const RADIUS_BOUNDS: [f32; 2] = [0.02, 1.0];
@@ -76,20 +78,14 @@ impl CausticMap {
         if paths < fewest {
             return None;
         }
-        let landings = photons::landings(scene, film, paths as u32, rays);
-        // each counts in the cells around its own too: few landings are to fill many cells
-        let eye = scene.camera.position();
-        let around = |landing: &Landing| Cell::around(landing.point.0 - eye.0);
-        let of_landing = |(landing, i)| around(landing).into_iter().map(move |cell| (cell, i));
-        let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
-        entries.sort_unstable();
-        let cells = entries.chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
-            let cell = entries[0].0;
-            let of_cell: Vec<Landing> = entries.iter().map(|(_, i)| landings[*i as usize]).collect();
-            Some((cell, places(&of_cell, cell.edge())?))
-        });
-        let cells: FxHashMap<_, _> = cells.collect();
-        (!cells.is_empty()).then_some(Self { eye, cells })
+        let (paths, eye) = (paths as u32, scene.camera.position());
+        // most scenes that could have caustics have none: few paths tell
+        let mut landings = photons::landings(scene, film, 0..paths / TRIAL, rays);
+        if cells(&landings, eye).is_empty() {
+            return None;
+        }
+        landings.extend(photons::landings(scene, film, paths / TRIAL..paths, rays));
+        Some(Self { eye, cells: cells(&landings, eye) })
     }
 
     /// The places that caustics at a point come from; `None` where there are none.
@@ -97,6 +93,21 @@ impl CausticMap {
     pub fn places(&self, point: Point3) -> Option<&Places> {
         self.cells.get(&Cell::of(point.0 - self.eye.0))
     }
+}
+
+/// The cells that caustics lie in, seen from `eye`.
+fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
+    // each counts in the cells around its own too: few landings are to fill many cells
+    let of_landing =
+        |(landing, i): (&Landing, u32)| Cell::around(landing.point.0 - eye.0).into_iter().map(move |cell| (cell, i));
+    let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
+    entries.sort_unstable();
+    let cells = entries.chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
+        let cell = entries[0].0;
+        let of_cell: Vec<Landing> = entries.iter().map(|(_, i)| landings[*i as usize]).collect();
+        Some((cell, places(&of_cell, cell.edge())?))
+    });
+    cells.collect()
 }
 
 /// The places that a cell's caustics come from: of all, as often as they matter. `None` where nothing is a caustic.
@@ -131,10 +142,10 @@ mod tests {
     #[test]
     fn cells_grow_with_the_distance() {
         let of = |x: f32| Cell::of(Vec3::new(x, 0.0, 0.0));
-        assert_eq!((of(1.0).edge(), of(1.9).edge(), of(2.0).edge(), of(1024.0).edge()), (CELL, CELL, 2.0 * CELL, 64.0));
+        assert_eq!((of(1.0).edge(), of(1.9).edge(), of(2.0).edge(), of(1024.0).edge()), (CELL, CELL, 2.0 * CELL, 32.0));
         assert_eq!(
             (of(1.001), of(1.001 + CELL)),
-            (Cell { level: 0, at: [16, 0, 0] }, Cell { level: 0, at: [17, 0, 0] })
+            (Cell { level: 0, at: [32, 0, 0] }, Cell { level: 0, at: [33, 0, 0] })
         );
         assert_eq!(of(1.999).level + 1, of(2.001).level);
         for odd in [0.0, f32::MIN_POSITIVE, 1e-30, 1e30, f32::MAX, f32::INFINITY, f32::NAN] {

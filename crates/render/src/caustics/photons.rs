@@ -3,6 +3,8 @@
 //! They start on smooth surfaces that the camera, or what it sees, sees: there light is sampled as for any surface,
 //! so that all kinds of lights, links and shadows are as they are in the picture.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use umber_math::{Point3, Ray, Vec2, Vector3};
 use umber_sampling::Sampler;
@@ -21,7 +23,7 @@ const REFLECTIONS: u32 = 4;
 /// Photons from each smooth point that a path meets.
 const PHOTONS: u32 = 4;
 /// Paths that one thread follows at a time.
-const BATCH: u32 = 256;
+const BATCH: usize = 256;
 /// Distinguishes its random numbers from those of the picture.
 const STREAM: u64 = 3 << 32;
 
@@ -39,13 +41,14 @@ pub(super) struct Landing {
     pub direct: f32,
 }
 
-/// Where photons land that `paths` paths through a film send out; in an order that only the seed decides.
-pub(super) fn landings(scene: &RenderScene, film: &FilmDesc, paths: u32, rays: &mut u64) -> Vec<Landing> {
-    let batches: Vec<(Vec<Landing>, u64)> = (0..paths.div_ceil(BATCH))
+/// Where photons land that paths through a film send out, by the paths' numbers; in an order that only the seed decides.
+pub(super) fn landings(scene: &RenderScene, film: &FilmDesc, paths: Range<u32>, rays: &mut u64) -> Vec<Landing> {
+    let batches: Vec<(Vec<Landing>, u64)> = (0..paths.len() as u32)
         .into_par_iter()
+        .step_by(BATCH)
         .map(|batch| {
             let (mut landings, mut rays) = (Vec::new(), 0);
-            for number in batch * BATCH..paths.min((batch + 1) * BATCH) {
+            for number in paths.clone().skip(batch as usize).take(BATCH) {
                 follow(scene, film, number, &mut landings, &mut rays);
             }
             (landings, rays)
