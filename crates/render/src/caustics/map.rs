@@ -1,11 +1,13 @@
 //! Where caustics lie, and from where their light comes.
 
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use umber_math::{Point3, Vec3};
 
 use super::aim::{PLACES, Places};
 use super::photons::{self, Landing};
 use crate::film::FilmDesc;
+use crate::integrator::Stop;
 use crate::scene::RenderScene;
 
 /// Edge of a cell at a distance of 1 from the camera.
@@ -72,7 +74,8 @@ fn power_of_two(exponent: i32) -> f32 {
 impl CausticMap {
     /// Of a scene as a film shows it, with so many samples a pixel to come; on the threads of the pool that it is
     /// called in. `None` where no caustics are found, or the samples are too few to pay for a search. Counts rays.
-    pub fn new(scene: &RenderScene, film: &FilmDesc, samples: u32, rays: &mut u64) -> Option<Self> {
+    /// Of no use where stopped meanwhile.
+    pub fn new(scene: &RenderScene, film: &FilmDesc, samples: u32, stop: &Stop<'_>, rays: &mut u64) -> Option<Self> {
         let [fewest, most] = PATHS;
         let paths = (film.width as u64 * film.height as u64 * u64::from(samples) / SAMPLES_A_PATH).min(most);
         if paths < fewest {
@@ -80,11 +83,11 @@ impl CausticMap {
         }
         let (paths, eye) = (paths as u32, scene.camera.position());
         // most scenes that could have caustics have none: few paths tell
-        let mut landings = photons::landings(scene, film, 0..paths / TRIAL, rays);
+        let mut landings = photons::landings(scene, film, 0..paths / TRIAL, stop, rays);
         if cells(&landings, eye).is_empty() {
             return None;
         }
-        landings.extend(photons::landings(scene, film, paths / TRIAL..paths, rays));
+        landings.extend(photons::landings(scene, film, paths / TRIAL..paths, stop, rays));
         Some(Self { eye, cells: cells(&landings, eye) })
     }
 
@@ -101,7 +104,7 @@ fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
     let of_landing =
         |(landing, i): (&Landing, u32)| Cell::around(landing.point.0 - eye.0).into_iter().map(move |cell| (cell, i));
     let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
-    entries.sort_unstable();
+    entries.par_sort_unstable();
     let cells = entries.chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
         let cell = entries[0].0;
         let of_cell: Vec<Landing> = entries.iter().map(|(_, i)| landings[*i as usize]).collect();

@@ -12,7 +12,7 @@ use umber_shading::LobeKind;
 
 use super::aim::Guided;
 use crate::film::FilmDesc;
-use crate::integrator::path;
+use crate::integrator::{Stop, path};
 use crate::scene::RenderScene;
 use crate::surface::SurfaceInteraction;
 
@@ -24,6 +24,8 @@ const REFLECTIONS: u32 = 4;
 const PHOTONS: u32 = 4;
 /// Paths that one thread follows at a time.
 const BATCH: usize = 256;
+/// Vertex of a path whose light samples are those at a landing: numbers that nothing else here takes.
+const LANDING_VERTEX: u32 = 512;
 /// Distinguishes its random numbers from those of the picture.
 const STREAM: u64 = 3 << 32;
 
@@ -42,13 +44,23 @@ pub(super) struct Landing {
 }
 
 /// Where photons land that paths through a film send out, by the paths' numbers; in an order that only the seed decides.
-pub(super) fn landings(scene: &RenderScene, film: &FilmDesc, paths: Range<u32>, rays: &mut u64) -> Vec<Landing> {
+/// Of some alone, where stopped.
+pub(super) fn landings(
+    scene: &RenderScene,
+    film: &FilmDesc,
+    paths: Range<u32>,
+    stop: &Stop<'_>,
+    rays: &mut u64,
+) -> Vec<Landing> {
     let batches: Vec<(Vec<Landing>, u64)> = (0..paths.len() as u32)
         .into_par_iter()
         .step_by(BATCH)
         .map(|batch| {
             let (mut landings, mut rays) = (Vec::new(), 0);
             for number in paths.clone().skip(batch as usize).take(BATCH) {
+                if stop.now() {
+                    break;
+                }
                 follow(scene, film, number, &mut landings, &mut rays);
             }
             (landings, rays)
@@ -134,8 +146,10 @@ fn photon(
         let wo = -ray.direction;
         let bsdf = there.bsdf(wo);
         if bsdf.scatters() {
-            let direct =
-                path::direct(scene, &there, &Guided::new(bsdf, there.at.point, None), wo, 0, sampler, rays).luminance();
+            let guided = Guided::new(bsdf, there.at.point, None);
+            // photons to come go on with the numbers that follow
+            let mut sampler = *sampler;
+            let direct = path::direct(scene, &there, &guided, wo, LANDING_VERTEX, &mut sampler, rays).luminance();
             let reflected = bsdf.albedo(wo).luminance() * radiance;
             let weight = flux * radiance;
             return (weight.is_finite() && weight > 0.0).then_some(Landing {

@@ -64,7 +64,7 @@ impl Picture {
         while self.film.tile_count() > 0 {
             let Some((samples, stride)) = self.next_pass() else { break };
             if self.caustics_after.is_some_and(|samples| self.done >= samples) {
-                self.look_for_caustics(pool);
+                self.look_for_caustics(shared, pool);
             }
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
@@ -88,15 +88,25 @@ impl Picture {
         true
     }
 
-    /// Leads the samples to come to where caustics come from.
-    fn look_for_caustics(&mut self, pool: &ThreadPool) {
+    /// Leads the samples to come to where caustics come from; nothing is led where it was stopped.
+    fn look_for_caustics(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
-        self.caustics_after = None;
+        let stop = self.stop(shared, started);
         let (scene, film) = (&self.scene, self.film.desc());
         let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
         let rays = self.rays.get_mut();
-        self.scene.caustics = pool.install(|| CausticMap::new(scene, film, samples, rays));
+        let map = pool.install(|| CausticMap::new(scene, film, samples, &stop, rays));
+        if !stop.now() {
+            (self.scene.caustics, self.caustics_after) = (map, None);
+        }
         self.seconds += started.elapsed().as_secs_f64();
+    }
+
+    /// When to end early what began at `started`.
+    fn stop<'a>(&self, shared: &'a Shared, started: Instant) -> Stop<'a> {
+        let limit = f64::from(self.scene.settings.time_limit);
+        let left = (limit > 0.0).then(|| Duration::from_secs_f64((limit - self.seconds).max(0.0)));
+        Stop { cancel: shared.cancelled(), deadline: left.and_then(|left| started.checked_add(left)) }
     }
 
     fn is_adaptive(&self) -> bool {
@@ -140,8 +150,7 @@ impl Picture {
     fn pass(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32, stride: usize) -> Passed {
         let started = Instant::now();
         let limit = f64::from(self.scene.settings.time_limit);
-        let left = (limit > 0.0).then(|| Duration::from_secs_f64((limit - self.seconds).max(0.0)));
-        let stop = Stop { cancel: shared.cancelled(), deadline: left.and_then(|left| started.checked_add(left)) };
+        let stop = self.stop(shared, started);
         let target = match &self.plan {
             Some(plan) => Target::Planned(plan),
             None if self.is_adaptive() => Target::Pilot,
