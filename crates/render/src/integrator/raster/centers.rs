@@ -3,11 +3,11 @@
 use umber_bvh::Hit;
 use umber_math::{Normal3, Point3, Vector3};
 
+use super::super::center::seen;
 use super::project::{Grid, Homogeneous};
 use super::surface::VisibleTriangle;
 use crate::film::CenterHit;
 use crate::scene::RenderScene;
-use crate::surface;
 
 /// What a triangle shows at a pixel. `direction`: of the view ray.
 pub fn center(
@@ -23,20 +23,9 @@ pub fn center(
     let [p, q, r] = mesh.shape.triangle(triangle.index).map(|p| p.0);
     let point = Point3(p * barycentrics[0] + q * barycentrics[1] + r * barycentrics[2]);
     let depths = scene.camera.depths_at(placement.film_from_object.apply(point).distance as f32);
-    // USD's tools show normals towards the viewer; render space is world space, moved
     let normal = Normal3(triangle.shading_normal(barycentrics)).normalized();
-    let normal = normal.facing(Vector3(-direction.0));
     let hit = Hit { t: 0.0, barycentrics, mesh: placement.mesh, triangle: triangle.index, path: placement.path };
-    CenterHit {
-        depth: depths.projected,
-        camera_depth: depths.camera,
-        normal: normal.0.to_array(),
-        neye: scene.camera.eye_normal(normal).0.to_array(),
-        prim_id: mesh.prim_id,
-        instance_id: scene.instance_id(&hit),
-        element_id: mesh.shape.mesh.elements[triangle.index as usize] as i32,
-        st: surface::st(scene, &hit).to_array(),
-    }
+    seen(scene, &hit, depths, normal, direction)
 }
 
 /// The barycentrics at a film position from the film's middle; each between 0 and 1.
