@@ -19,7 +19,7 @@ use crate::material::RenderMaterial;
 pub(crate) use aim::Guided;
 pub(crate) use map::CausticMap;
 
-/// Somebody who watches sees so many samples a pixel before the search.
+/// Where somebody watches, or the time is limited, there are so many samples a pixel before the search.
 const SAMPLES_BEFORE: u32 = 32;
 
 /// After how many samples a pixel caustics are looked for; `None` where there can be none.
@@ -27,5 +27,6 @@ pub(crate) fn are_looked_for_after(settings: &Settings, materials: &[RenderMater
     let are_possible = settings.integrator == Integrator::Path
         && settings.max_bounces >= 2
         && materials.iter().any(|material| material.lobes.is_some_and(|lobes| lobes.focuses()));
-    are_possible.then_some(if settings.enable_interactive { SAMPLES_BEFORE } else { 0 })
+    let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
+    are_possible.then_some(if may_end_early { SAMPLES_BEFORE } else { 0 })
 }

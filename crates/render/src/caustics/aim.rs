@@ -13,6 +13,8 @@ pub(super) const PLACES: usize = 8;
 const SHARE: f32 = 0.15;
 /// A place never fills more than half of a right angle around its middle, sine squared: the point may lie within.
 const MOST_SIN_SQUARED: f32 = 0.5;
+/// And never less than this: narrower cones have rims that rounding blurs.
+const LEAST_SIN_SQUARED: f32 = 1e-5;
 
 /// Places on smooth surfaces: spheres in render space, lane by lane. One may be there more than once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,8 +42,8 @@ impl Places {
     fn cone(&self, i: usize, point: Point3) -> Option<Cone> {
         let to_center = Vector3::new(self.x[i] - point.x(), self.y[i] - point.y(), self.z[i] - point.z());
         let squared = to_center.length_squared();
-        let sin_squared = (self.radius_squared[i] / squared).min(MOST_SIN_SQUARED);
-        (squared.is_normal() && sin_squared.is_normal()).then(|| Cone {
+        let sin_squared = (self.radius_squared[i] / squared).clamp(LEAST_SIN_SQUARED, MOST_SIN_SQUARED);
+        squared.is_normal().then(|| Cone {
             axis: to_center * (1.0 / squared.sqrt()),
             one_minus_cos: warp::one_minus_cos_from_sin_squared(sin_squared),
         })
@@ -49,23 +51,35 @@ impl Places {
     /// Density by solid angle of a direction from a point, where each place is as likely as another.
     #[inline]
     fn pdf_solid_angle(&self, point: Point3, wi: Vector3) -> f32 {
-        // most directions miss all of them: that is found without a division; false where the point is the place
-        let is_inside: [bool; PLACES] = array::from_fn(|i| {
+        let is_inside = self.is_inside(point, wi);
+        // most directions miss all of them: that is found without a division
+        if is_inside == [false; PLACES] { 0.0 } else { self.density_inside(point, is_inside) }
+    }
+    /// The same of a direction that was made for place number `i`: it counts, and so does each that is the same,
+    /// whatever the rounding at its rim.
+    fn pdf_of_aimed(&self, i: usize, point: Point3, wi: Vector3) -> f32 {
+        let lane = |i: usize| [self.x[i], self.y[i], self.z[i], self.radius_squared[i]];
+        let is_inside = self.is_inside(point, wi);
+        self.density_inside(point, array::from_fn(|j| is_inside[j] || lane(j) == lane(i)))
+    }
+    /// Whether a direction from a point meets the places; false where the point is the place.
+    #[inline]
+    fn is_inside(&self, point: Point3, wi: Vector3) -> [bool; PLACES] {
+        array::from_fn(|i| {
             let (x, y, z) = (self.x[i] - point.x(), self.y[i] - point.y(), self.z[i] - point.z());
-            let (along, squared) = (x * wi.x() + y * wi.y() + z * wi.z(), x * x + y * y + z * z);
-            let aside = squared - along * along;
-            (along > 0.0) & (aside <= self.radius_squared[i]) & (aside <= MOST_SIN_SQUARED * squared)
-        });
-        if is_inside == [false; PLACES] {
-            return 0.0;
-        }
-        self.density_inside(point, &is_inside)
+            let along = x * wi.x() + y * wi.y() + z * wi.z();
+            // the difference of squares would be noise where the cone is narrow
+            let (ax, ay, az) = (x - along * wi.x(), y - along * wi.y(), z - along * wi.z());
+            let (aside, squared) = (ax * ax + ay * ay + az * az, x * x + y * y + z * z);
+            let radius_squared = self.radius_squared[i].max(LEAST_SIN_SQUARED * squared);
+            (along > 0.0) & (aside <= radius_squared) & (aside <= MOST_SIN_SQUARED * squared)
+        })
     }
     #[cold]
-    fn density_inside(&self, point: Point3, is_inside: &[bool; PLACES]) -> f32 {
-        let density = |i: usize| warp::uniform_cone_pdf_solid_angle(self.cone(i, point)?.one_minus_cos).into();
-        let inside = (0..PLACES).filter(|i| is_inside[*i]);
-        inside.filter_map(|i: usize| -> Option<f32> { density(i) }).sum::<f32>() * (1.0 / PLACES as f32)
+    fn density_inside(&self, point: Point3, is_inside: [bool; PLACES]) -> f32 {
+        let cones = (0..PLACES).filter(|i| is_inside[*i]).filter_map(|i| self.cone(i, point));
+        let densities = cones.map(|cone| warp::uniform_cone_pdf_solid_angle(cone.one_minus_cos));
+        densities.sum::<f32>() * (1.0 / PLACES as f32)
     }
 }
 
@@ -109,16 +123,18 @@ impl<'a> Guided<'a> {
     }
     #[inline(never)]
     fn aimed(&self, places: &Places, wo: Vector3, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let cone = places.cone(((choice * PLACES as f32) as usize).min(PLACES - 1), self.point)?;
+        let place = ((choice * PLACES as f32) as usize).min(PLACES - 1);
+        let cone = places.cone(place, self.point)?;
         let local = warp::uniform_cone(u, cone.one_minus_cos);
         let wi = Frame::from_normal(Normal3(cone.axis.0)).from_local(local);
-        let value = self.evaluate(wo, wi);
+        let value = self.bsdf.evaluate(wo, wi);
+        let of_places = places.pdf_of_aimed(place, self.point, wi);
         (!value.f().is_black()).then(|| BsdfSample {
             f: value.f(),
             f_diffuse: value.diffuse,
             wi,
             cos_theta: self.bsdf.cos_theta(wi),
-            pdf_solid_angle: value.pdf_solid_angle,
+            pdf_solid_angle: (1.0 - SHARE) * value.pdf_solid_angle + SHARE * of_places,
             lobe: if value.glossy.is_black() { LobeKind::Diffuse } else { LobeKind::Glossy },
         })
     }
@@ -162,6 +178,24 @@ mod tests {
     /// Directions below the surface are refused.
     fn above(wi: Vector3) -> f32 {
         if wi.z() > 0.0 { 1.0 } else { 0.0 }
+    }
+
+    #[test]
+    fn what_is_aimed_is_dense_however_narrow_the_cone() {
+        let normal = Normal3(Vec3::Z);
+        let bsdf = Bsdf::new(Lobes::lambert(Rgb::WHITE), Frame::from_normal(normal), normal);
+        for radius in [1e-6, 1e-3, 0.01, 0.1] {
+            let places = Places::new([(Point3(Vec3::new(3.0, -2.0, 5.0)), radius); PLACES]);
+            let guided = Guided::new(bsdf, Point3(Vec3::new(0.1, 0.2, 0.0)), Some(&places));
+            let one_minus_cos = places.cone(0, guided.point).unwrap().one_minus_cos;
+            let least = SHARE * warp::uniform_cone_pdf_solid_angle(one_minus_cos);
+            for i in 0..10_000 {
+                // along the rim, where u.x is 1
+                let u = Vec2::new(1.0 - f32::EPSILON, i as f32 / 10_000.0);
+                let sample = guided.sample(Vector3::new(0.0, 0.0, 1.0), || 0.1, 0.0, u).unwrap();
+                assert!(sample.pdf_solid_angle >= 0.999 * least, "{radius}: {} and {least}", sample.pdf_solid_angle);
+            }
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ const BRIGHT: f32 = 4.0;
 const SAMPLES_A_PATH: u64 = 64;
 /// Fewer such paths teach too little; more teach little more.
 const PATHS: [u64; 2] = [1 << 13, 1 << 16];
+/// More landings, where most surfaces are smooth, would take long to sort.
+const MOST_LANDINGS: usize = 1 << 16;
 /// One in so many of them is followed first.
 const TRIAL: u32 = 8;
 /// Of the distance between two places, the radius that each gets; and the least and the most, of a cell's edge.
@@ -45,7 +47,7 @@ impl Cell {
     fn of(point: Vec3) -> Self {
         const EXPONENT_BITS: u32 = 8;
         const BIAS: i32 = 127;
-        let exponent = (point.length_squared().to_bits() >> (31 - EXPONENT_BITS)) as i32 - BIAS;
+        let exponent = (point.length_squared().to_bits() >> (31 - EXPONENT_BITS) & 0xff) as i32 - BIAS;
         let level = exponent >> 1;
         // a level is at most half an exponent: its power is a normal number
         let at = (point * (power_of_two(-level) / CELL)).floor().as_ivec3();
@@ -84,11 +86,12 @@ impl CausticMap {
         let (paths, eye) = (paths as u32, scene.camera.position());
         // most scenes that could have caustics have none: few paths tell
         let mut landings = photons::landings(scene, film, 0..paths / TRIAL, stop, rays);
-        if cells(&landings, eye).is_empty() {
+        if stop.now() || cells(&landings, eye).is_empty() {
             return None;
         }
         landings.extend(photons::landings(scene, film, paths / TRIAL..paths, stop, rays));
-        Some(Self { eye, cells: cells(&landings, eye) })
+        landings.truncate(MOST_LANDINGS);
+        (!stop.now()).then(|| Self { eye, cells: cells(&landings, eye) })
     }
 
     /// The places that caustics at a point come from; `None` where there are none.
@@ -134,6 +137,7 @@ fn places(landings: &[Landing], edge: f32) -> Option<Places> {
 fn radius(center: Point3, centers: &[Point3], edge: f32) -> f32 {
     let mut apart: Vec<f32> = centers.iter().map(|other| other.distance(center)).filter(|d| *d > 0.0).collect();
     apart.sort_by(f32::total_cmp);
+    apart.dedup();
     let [least, most] = RADIUS_BOUNDS.map(|bound| bound * edge);
     apart.get(1).or(apart.first()).map_or(0.25 * edge, |distance| (RADIUS * distance).clamp(least, most))
 }
@@ -151,7 +155,7 @@ mod tests {
             (Cell { level: 0, at: [32, 0, 0] }, Cell { level: 0, at: [33, 0, 0] })
         );
         assert_eq!(of(1.999).level + 1, of(2.001).level);
-        for odd in [0.0, f32::MIN_POSITIVE, 1e-30, 1e30, f32::MAX, f32::INFINITY, f32::NAN] {
+        for odd in [0.0, f32::MIN_POSITIVE, 1e-30, 1e30, f32::MAX, f32::INFINITY, f32::NAN, -f32::NAN] {
             assert!(of(odd).edge() > 0.0);
         }
     }

@@ -1,7 +1,7 @@
 //! Photons from lights, by smooth surfaces, to rough ones.
 //!
 //! They start on smooth surfaces that the camera, or what it sees, sees: there light is sampled as for any surface,
-//! so that all kinds of lights, links and shadows are as they are in the picture.
+//! so that all kinds of lights are found, and which surfaces they are linked to.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ const PHOTONS: u32 = 4;
 /// Paths that one thread follows at a time.
 const BATCH: usize = 256;
 /// Vertex of a path whose light samples are those at a landing: numbers that nothing else here takes.
-const LANDING_VERTEX: u32 = 512;
+const LANDING_VERTEX: u32 = 8000;
 /// Distinguishes its random numbers from those of the picture.
 const STREAM: u64 = 3 << 32;
 
