@@ -8,8 +8,8 @@ use umber_shading::{Bsdf, BsdfEval, BsdfSample, LobeKind};
 
 /// How many places there are to aim at from a point.
 pub(super) const PLACES: usize = 8;
-/// Part of the samples that aim. On metal spheres over a floor, the variance is 1.67 times less than without aiming
-/// with this, 1.64 with 0.12, 1.5 with a quarter.
+/// Part of the samples that aim. On metal spheres over a floor 0.1 does about as well; a quarter leaves 1.08 times the
+/// variance, 0.4 leaves 1.35 times.
 const SHARE: f32 = 0.15;
 /// A place never fills more than half of a right angle around its middle, sine squared: the point may lie within.
 const MOST_SIN_SQUARED: f32 = 0.5;
@@ -17,7 +17,7 @@ const MOST_SIN_SQUARED: f32 = 0.5;
 const LEAST_SIN_SQUARED: f32 = 1e-5;
 
 /// Places on smooth surfaces: spheres in render space, lane by lane. One may be there more than once.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Places {
     x: [f32; PLACES],
     y: [f32; PLACES],
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use umber_math::{Rgb, Vec3};
     use umber_sampling::chi2::{Chi2Options, test_sphere};
-    use umber_shading::Lobes;
+    use umber_shading::{Lobes, PreviewSurface};
 
     /// Two places above a floor, one of them below its horizon for the most part, one around the point itself.
     fn places() -> Places {
@@ -160,7 +160,9 @@ mod tests {
         Places::new(spheres)
     }
 
-    fn accepts(lobes: Lobes, wo: Vector3) {
+    /// Whether a surface with these lobes passes, one of `tests` that are made together.
+    fn accepts(lobes: Lobes, tests: usize) {
+        let wo = Vector3::new(0.3, -0.4, 0.75f32.sqrt());
         let (normal, places) = (Normal3(Vec3::Z), places());
         let bsdf = Bsdf::new(lobes, Frame::from_normal(normal), normal);
         let guided = Guided::new(bsdf, Point3::default(), Some(&places));
@@ -169,10 +171,13 @@ mod tests {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             (state >> 8) as f32 / (1 << 24) as f32
         };
-        let sample = |u| guided.sample(wo, &mut random, 0.37, u).map(|sample| sample.wi);
+        let sample = |u| {
+            let lobe = random();
+            guided.sample(wo, &mut random, lobe, u).map(|sample| sample.wi)
+        };
         let options = Chi2Options { min_depth: 3, ..Chi2Options::default() };
         let outcome = test_sphere(options, sample, |wi| guided.evaluate(wo, wi).pdf_solid_angle * above(wi));
-        assert!(outcome.accepted(0.01, 2), "{outcome:?}");
+        assert!(outcome.accepted(0.01, tests), "{outcome:?}");
     }
 
     /// Directions below the surface are refused.
@@ -200,7 +205,8 @@ mod tests {
 
     #[test]
     fn directions_have_the_density_that_is_told() {
-        let wo = Vector3::new(0.3, -0.4, 0.75f32.sqrt());
-        accepts(Lobes::lambert(Rgb::splat(0.5)), wo);
+        accepts(Lobes::lambert(Rgb::splat(0.5)), 2);
+        // a wide lobe over a diffuse one
+        accepts(PreviewSurface { roughness: 0.6, ..PreviewSurface::default() }.lobes(), 2);
     }
 }

@@ -18,10 +18,10 @@ const BRIGHT: f32 = 4.0;
 const SAMPLES_A_PATH: u64 = 64;
 /// Fewer such paths teach too little; more teach little more.
 const PATHS: [u64; 2] = [1 << 13, 1 << 16];
+/// One path in so many is followed first.
+const TRIAL: u32 = 8;
 /// More landings, where most surfaces are smooth, would take long to sort.
 const MOST_LANDINGS: usize = 1 << 16;
-/// One in so many of them is followed first.
-const TRIAL: u32 = 8;
 /// Of the distance between two places, the radius that each gets; and the least and the most, of a cell's edge.
 const RADIUS: f32 = 1.5;
 const RADIUS_BOUNDS: [f32; 2] = [0.02, 1.0];

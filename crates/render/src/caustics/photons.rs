@@ -126,9 +126,7 @@ fn photon(
     if is_mirror && (to_light.is_delta || !scene.is_found_by_rays(index)) {
         return None;
     }
-    let mut shadow_ray = surface.at.spawn_ray(to_light.wi);
-    shadow_ray.t_max = to_light.distance * (1.0 - 4.0 * f32::EPSILON);
-    let visible = scene.arriving(shadow_ray, index, surface.links, rays);
+    let visible = scene.arriving(path::shadow_ray(surface, &to_light), index, surface.links, rays);
     if visible <= 0.0 {
         return None;
     }

@@ -3,7 +3,7 @@
 use umber_bvh::Hit;
 use umber_math::{Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
-use umber_shading::{LobeKind, Receiver};
+use umber_shading::{LightSample, LobeKind, Receiver};
 
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
@@ -80,11 +80,11 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
         if bsdf.is_black() {
             break;
         }
-        let bsdf = scene.guided(bsdf, surface.at.point, bounce);
-        if bsdf.bsdf.has_non_delta() {
-            radiance += throughput * direct(scene, &surface, &bsdf, wo, bounce, sampler, rays);
+        let guided = scene.guided(bsdf, surface.at.point, bounce);
+        if bsdf.has_non_delta() {
+            radiance += throughput * direct(scene, &surface, &guided, wo, bounce, sampler, rays);
         }
-        let lobe = if bsdf.bsdf.chooses_lobe() {
+        let lobe = if bsdf.chooses_lobe() {
             sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
             sampler.next_1d()
         } else {
@@ -96,7 +96,7 @@ pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: 
             sampler.start_dimension(dimensions::vertex(bounce, Draw::Aim));
             sampler.next_1d()
         };
-        let Some(sample) = bsdf.sample(wo, aim, lobe, direction) else { break };
+        let Some(sample) = guided.sample(wo, aim, lobe, direction) else { break };
         throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
         if bounce == 0 {
             first = throughput.max_channel();
@@ -220,11 +220,17 @@ fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool
     (sum, seen)
 }
 
+/// From a surface to a point of a light.
+pub(crate) fn shadow_ray(surface: &SurfaceInteraction, sample: &LightSample) -> Ray {
+    // the light's own rounding error is relative to its distance
+    Ray { t_max: sample.distance * (1.0 - 4.0 * f32::EPSILON), ..surface.at.spawn_ray(sample.wi) }
+}
+
 /// Next-event estimation: one light sample, weighted against finding it by the BSDF.
 pub(crate) fn direct(
     scene: &RenderScene,
     surface: &SurfaceInteraction,
-    bsdf: &Guided<'_>,
+    guided: &Guided<'_>,
     wo: Vector3,
     bounce: u32,
     sampler: &mut Sampler,
@@ -239,10 +245,10 @@ pub(crate) fn direct(
     let light = &scene.lights.lights()[index as usize];
     sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
     let Some(sample) = light.sample_for(&receiver, sampler.next_2d()) else { return Rgb::BLACK };
-    let value = bsdf.evaluate(wo, sample.wi);
+    let value = guided.evaluate(wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
     let pdf_light = pmf * sample.pdf_solid_angle;
-    let unoccluded = f * sample.radiance * (bsdf.bsdf.cos_theta(sample.wi) / pdf_light);
+    let unoccluded = f * sample.radiance * (guided.bsdf.cos_theta(sample.wi) / pdf_light);
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return Rgb::BLACK;
     }
@@ -254,9 +260,7 @@ pub(crate) fn direct(
     if !light.shadow_enable() {
         return unoccluded * mis_weight_light;
     }
-    let mut shadow_ray = surface.at.spawn_ray(sample.wi);
-    // the light's own rounding error is relative to its distance
-    shadow_ray.t_max = sample.distance * (1.0 - 4.0 * f32::EPSILON);
+    let shadow_ray = shadow_ray(surface, &sample);
     if let Some(shape) = light.shadow_shape() {
         return unoccluded * shadow::visibility(scene, shape, shadow_ray, index, surface.links, rays);
     }

@@ -25,7 +25,7 @@ use umber_settings::Settings;
 use super::Stop;
 use crate::film::{Film, TILE};
 use crate::scene::RenderScene;
-use bins::{Bins, Entry};
+use bins::{Bins, Entry, MOST_ENTRIES};
 use draw::Drawer;
 use placement::Placement;
 use project::Grid;
@@ -81,6 +81,7 @@ impl<'a> Worker<'a> {
         self.entries.extend(entries);
         if !entries.is_empty() {
             self.entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
+            self.entries.truncate(MOST_ENTRIES);
             self.drawer.draw(&mut self.square, &self.entries);
             self.shade(film);
         }

@@ -10,7 +10,7 @@ use super::super::Stop;
 use super::placement::Placement;
 use super::project::Grid;
 use super::reach::Reach;
-use super::square::{SQUARE, Square};
+use super::square::{NOTHING, SQUARE, Square};
 use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
 
@@ -38,7 +38,10 @@ impl Entry {
     }
 }
 
-/// Number of a triangle among those of a square's entries: less than 2²⁶ of them, which take more memory than there is.
+/// More entries of a square, 67 million, have no numbers left: of those in front that many are drawn.
+pub const MOST_ENTRIES: usize = NOTHING as usize / CLUSTER;
+
+/// Number of a triangle among those of a square's entries, of which there are [`MOST_ENTRIES`].
 #[inline(always)]
 pub fn number(entry: usize, triangle: u32) -> u32 {
     (entry * CLUSTER) as u32 + triangle
