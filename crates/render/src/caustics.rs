@@ -20,7 +20,7 @@ pub(crate) use aim::Guided;
 pub(crate) use map::CausticMap;
 
 /// Where somebody watches, or the time is limited, there are so many samples a pixel before the search.
-const SAMPLES_BEFORE: u32 = 32;
+const SAMPLES_BEFORE: u32 = 8;
 
 /// After how many samples a pixel caustics are looked for; `None` where there can be none.
 pub(crate) fn are_looked_for_after(settings: &Settings, materials: &[RenderMaterial]) -> Option<u32> {
