@@ -11,7 +11,7 @@ use umber_math::Rgb;
 use crate::aov::{Accumulation, Aov};
 use crate::format::BufferFormat;
 
-pub(crate) use pixel::{CenterHit, PixelSum};
+pub(crate) use pixel::{CenterHit, PixelSum, Samples};
 use pixel::{PixelSpread, encode};
 pub(crate) use tile::{Tile, TileRect};
 

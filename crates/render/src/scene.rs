@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use umber_bvh::{Hit, InstanceBvh};
+use umber_geometry::SurfacePoint;
 use umber_math::{Point3, Ray, Vector3};
 use umber_scene::CulledFaces;
 use umber_settings::Settings;
@@ -42,6 +43,8 @@ pub struct RenderScene {
     pub partly_present: bool,
     /// Where caustics lie, where that was looked for and found.
     pub caustics: Option<CausticMap>,
+    /// Pixels of a group that shares paths; 1 where none are shared.
+    pub path_group: usize,
 }
 
 /// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.
@@ -120,6 +123,18 @@ impl RenderScene {
             ray.t_min = hit.t;
         }
         0.0
+    }
+
+    /// How much passes from one surface to another along a straight line: 0 or 1, or between where surfaces are partly
+    /// there. Shapes of lights that reach `from` stand in the way. Counts rays.
+    pub fn visibility(&self, from: &surface::SurfaceInteraction, to: &SurfacePoint, rays: &mut u64) -> f32 {
+        let direction = (to.point - from.at.point).normalized();
+        let start = from.at.spawn_ray(direction).origin;
+        let end = to.spawn_ray(-direction).origin;
+        let along = end - start;
+        let distance = along.length();
+        let ray = Ray { t_max: distance * (1.0 - 4.0 * f32::EPSILON), ..Ray::new(start, along * (1.0 / distance)) };
+        if self.light_on(&ray, Some(from.links)).is_some() { 0.0 } else { self.transmittance(ray, rays) }
     }
 
     /// Calls `meet` with the distance and the presence of each surface on a ray, the nearest first, until it says

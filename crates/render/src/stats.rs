@@ -22,6 +22,8 @@ pub struct Stats {
     pub compile_seconds: f64,
     /// Rays traced for the picture.
     pub rays: u64,
+    /// Pixels of a group that shares paths; 1: none are shared.
+    pub path_group: u32,
     /// Render threads.
     pub threads: u32,
     /// Meshes that are shown.
@@ -57,6 +59,7 @@ impl Stats {
             ("renderSeconds", Value::Float(self.render_seconds)),
             ("compileSeconds", Value::Float(self.compile_seconds)),
             ("rays", int(self.rays)),
+            ("pathGroup", int(self.path_group.into())),
             ("threads", int(self.threads.into())),
             ("meshes", int(self.meshes)),
             ("triangles", int(self.triangles)),

@@ -12,7 +12,8 @@ use umber_shading::LobeKind;
 
 use super::aim::Guided;
 use crate::film::FilmDesc;
-use crate::integrator::{Stop, path};
+use crate::integrator::path::{self, Vertex};
+use crate::integrator::Stop;
 use crate::scene::RenderScene;
 use crate::surface::SurfaceInteraction;
 
@@ -144,14 +145,19 @@ fn photon(
         let wo = -ray.direction;
         let bsdf = there.bsdf(wo);
         if bsdf.scatters() {
-            let guided = Guided::new(bsdf, there.at.point, None);
+            let reflected = bsdf.albedo(wo).luminance() * radiance;
+            let (point, weight) = (there.at.point, flux * radiance);
+            let vertex = Vertex {
+                surface: there,
+                guided: Guided::new(bsdf, point, None),
+                wo,
+                bounce: LANDING_VERTEX,
+            };
             // photons to come go on with the numbers that follow
             let mut sampler = *sampler;
-            let direct = path::direct(scene, &there, &guided, wo, LANDING_VERTEX, &mut sampler, rays).luminance();
-            let reflected = bsdf.albedo(wo).luminance() * radiance;
-            let weight = flux * radiance;
+            let direct = path::direct(scene, &vertex, &mut sampler, rays).luminance();
             return (weight.is_finite() && weight > 0.0).then_some(Landing {
-                point: there.at.point,
+                point,
                 origin,
                 weight,
                 reflected,

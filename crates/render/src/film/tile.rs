@@ -16,6 +16,19 @@ pub(crate) struct TileRect {
     pub height: usize,
 }
 
+impl TileRect {
+    /// Column and row of pixel `i`, counted row by row.
+    #[inline]
+    pub fn place(&self, i: usize) -> [usize; 2] {
+        [self.x + i % self.width, self.y + i / self.width]
+    }
+    /// The number of the pixel at a column and a row.
+    #[inline]
+    pub fn index(&self, [x, y]: [usize; 2]) -> usize {
+        (y - self.y) * self.width + (x - self.x)
+    }
+}
+
 /// Pixels of one tile, row by row.
 #[derive(Debug)]
 pub(crate) struct Tile {

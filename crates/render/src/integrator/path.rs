@@ -1,155 +1,200 @@
 //! Unidirectional path tracing with next-event estimation and multiple importance sampling.
 
-use umber_bvh::Hit;
 use umber_math::{Ray, Rgb, Vector3};
 use umber_sampling::{Sampler, power_heuristic};
-use umber_shading::{LightSample, LobeKind, Receiver};
+use umber_shading::{BsdfSample, LightSample, LobeKind, Receiver};
 
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
+use super::found::{Met, Origin};
 use crate::caustics::Guided;
-use crate::light_set::ShapeHit;
-use crate::linking::Links;
 use crate::scene::RenderScene;
 use crate::shadow;
 use crate::surface::SurfaceInteraction;
 
-/// How a ray's direction was found.
-#[derive(Clone, Copy)]
-enum Origin {
-    Camera,
-    /// No light sample could have found it.
-    Delta {
-        diffuse_share: Rgb,
-        links: Links,
-    },
-    /// By the BSDF at a point, with this density.
-    Bsdf {
-        receiver: Receiver,
-        pdf_solid_angle: f32,
-        diffuse_share: Rgb,
-        links: Links,
-    },
+/// A path under way.
+pub(super) struct Walk<'a> {
+    pub scene: &'a RenderScene,
+    ray: Ray,
+    pub origin: Origin,
+    /// Of the surfaces since the walk began, or since it was last taken.
+    pub throughput: Rgb,
+    /// What the throughput is to be times, relative to that after the path's first scattering: roulette goes by it.
+    scale: f32,
+    /// Surfaces met.
+    bounce: u32,
 }
 
-impl Origin {
-    /// Of the surface that the ray left; `None`: it left the camera.
-    fn links(&self) -> Option<Links> {
-        match self {
-            Self::Camera => None,
-            Self::Delta { links, .. } | Self::Bsdf { links, .. } => Some(*links),
-        }
-    }
+/// A surface that a path meets.
+pub(crate) struct Vertex<'a> {
+    pub surface: SurfaceInteraction,
+    pub guided: Guided<'a>,
+    /// Unit, back along the path.
+    pub wo: Vector3,
+    /// How many the path met before.
+    pub bounce: u32,
+}
+
+/// What a path's ray finds.
+pub(super) struct Found<'a> {
+    /// Radiance against the ray of what shines by itself.
+    pub radiance: Rgb,
+    /// Where the path may go on.
+    pub vertex: Option<Vertex<'a>>,
+}
+
+/// Where a path goes on from a vertex.
+pub(super) struct Scattering {
+    pub sample: BsdfSample,
+    /// Chance with which roulette let it.
+    pub survival: f32,
 }
 
 /// Traces a path from the camera.
-pub fn radiance(scene: &RenderScene, mut ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
-    let mut radiance = Rgb::BLACK;
-    let mut throughput = Rgb::WHITE;
-    let mut origin = Origin::Camera;
-    let mut coverage = 1.0;
-    // of the throughput after the first scattering, the largest channel
-    let mut first = 1.0;
-    for bounce in 0..=scene.settings.max_bounces {
-        let at_camera = matches!(origin, Origin::Camera);
+pub fn radiance(scene: &RenderScene, ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
+    let mut walk = Walk::new(scene, ray);
+    let met = walk.meet(sampler, rays);
+    let (emitted, coverage) = walk.seen(&met);
+    let radiance = emitted + walk.vertex(&met).map_or(Rgb::BLACK, |vertex| walk.on_from(vertex, sampler, rays));
+    RadianceSample { radiance, coverage }
+}
+
+impl<'a> Walk<'a> {
+    /// Begins with a ray from the camera.
+    pub fn new(scene: &'a RenderScene, ray: Ray) -> Self {
+        Self { scene, ray, origin: Origin::Camera, throughput: Rgb::WHITE, scale: 1.0, bounce: 0 }
+    }
+
+    /// Radiance by the rest of the path from a vertex, times the throughput up to there.
+    #[inline(never)]
+    pub fn on_from(&mut self, mut vertex: Vertex<'a>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
+        let mut radiance = Rgb::BLACK;
+        loop {
+            if vertex.guided.bsdf.has_non_delta() {
+                radiance += self.throughput * direct(self.scene, &vertex, sampler, rays);
+            }
+            if self.scatter(&vertex, sampler).is_none() {
+                return radiance;
+            }
+            let found = self.find(sampler, rays);
+            radiance += self.throughput * found.radiance;
+            let Some(next) = found.vertex else { return radiance };
+            vertex = next;
+        }
+    }
+
+    /// Follows the ray.
+    #[inline(always)]
+    pub fn find(&mut self, sampler: &mut Sampler, rays: &mut u64) -> Found<'a> {
+        let met = self.meet(sampler, rays);
+        let radiance = met.radiance(self.scene, self.ray.direction, self.origin);
+        Found { radiance, vertex: self.vertex(&met) }
+    }
+
+    /// What the ray meets.
+    #[inline(always)]
+    pub fn meet(&self, sampler: &mut Sampler, rays: &mut u64) -> Met {
+        let Self { scene, ray, origin, bounce, .. } = *self;
         let chance = |pass: u32| {
             sampler.start_dimension(dimensions::presence(bounce, pass));
             sampler.next_1d()
         };
-        let hit = if at_camera { scene.camera_hit(ray, rays, chance) } else { scene.closest_hit(ray, rays, chance) };
+        let is_camera = matches!(origin, Origin::Camera);
+        let hit = if is_camera { scene.camera_hit(ray, rays, chance) } else { scene.closest_hit(ray, rays, chance) };
         let before = Ray { t_max: hit.as_ref().map_or(ray.t_max, |hit| hit.t), ..ray };
         if let Some(shape) = scene.light_on(&before, origin.links()) {
-            radiance += throughput * from_shape(scene, &shape, &ray, origin);
-            break;
+            return Met::Light(shape);
         }
-        let Some(hit) = hit else {
-            let (arriving, seen) = from_infinity(scene, ray.direction, origin);
-            radiance += throughput * arriving;
-            if at_camera && !seen {
-                coverage = 0.0;
-            }
-            break;
-        };
-        let surface = SurfaceInteraction::new(scene, &hit);
-        radiance += throughput * from_surface(scene, &hit, &surface, ray.direction, origin);
-        if bounce == scene.settings.max_bounces {
-            break;
-        }
-        let wo = -ray.direction;
-        let bsdf = surface.bsdf(wo);
-        if bsdf.is_black() {
-            break;
-        }
+        hit.map_or(Met::Nothing, |hit| Met::Surface(hit, SurfaceInteraction::new(scene, &hit)))
+    }
+
+    /// What of that a ray from the camera sees: radiance, and 1, or 0 where nothing is.
+    pub fn seen(&self, met: &Met) -> (Rgb, f32) {
+        let (scene, direction) = (self.scene, self.ray.direction);
+        let radiance = met.radiance(scene, direction, Origin::Camera);
+        (radiance, if met.is_seen(scene, direction) { 1.0 } else { 0.0 })
+    }
+
+    /// Where the path may go on from what it met.
+    #[inline(always)]
+    pub fn vertex(&self, met: &Met) -> Option<Vertex<'a>> {
+        let Met::Surface(_, surface) = *met else { return None };
+        let (scene, bounce, wo) = (self.scene, self.bounce, -self.ray.direction);
+        let bsdf = (bounce < scene.settings.max_bounces).then(|| surface.bsdf(wo)).filter(|bsdf| !bsdf.is_black())?;
         let guided = scene.guided(bsdf, surface.at.point, bounce);
-        if bsdf.has_non_delta() {
-            radiance += throughput * direct(scene, &surface, &guided, wo, bounce, sampler, rays);
-        }
-        let lobe = if bsdf.chooses_lobe() {
-            sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeChoice));
+        Some(Vertex { surface, guided, wo, bounce })
+    }
+
+    /// Chooses where the path goes on from a vertex; `None` where it ends.
+    #[inline(always)]
+    pub fn scatter(&mut self, vertex: &Vertex<'_>, sampler: &mut Sampler) -> Option<Scattering> {
+        let Vertex { surface, guided, wo, bounce } = vertex;
+        let lobe = if guided.bsdf.chooses_lobe() {
+            sampler.start_dimension(dimensions::vertex(*bounce, Draw::LobeChoice));
             sampler.next_1d()
         } else {
             0.0
         };
-        sampler.start_dimension(dimensions::vertex(bounce, Draw::LobeDirection));
+        sampler.start_dimension(dimensions::vertex(*bounce, Draw::LobeDirection));
         let direction = sampler.next_2d();
         let aim = || {
-            sampler.start_dimension(dimensions::vertex(bounce, Draw::Aim));
+            sampler.start_dimension(dimensions::vertex(*bounce, Draw::Aim));
             sampler.next_1d()
         };
-        let Some(sample) = guided.sample(wo, aim, lobe, direction) else { break };
-        throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
-        if bounce == 0 {
-            first = throughput.max_channel();
+        let sample = guided.sample(*wo, aim, lobe, direction)?;
+        self.throughput *= sample.f * (sample.cos_theta / sample.pdf_solid_angle);
+        if *bounce == 0 {
+            self.scale = 1.0 / self.throughput.max_channel();
         }
-        if !survives(scene, bounce, first, &mut throughput, sampler) {
-            break;
-        }
+        let survival = self.survival(*bounce, sampler)?;
         let (diffuse_share, links) = (share(sample.f_diffuse, sample.f), surface.links);
-        origin = match sample.lobe {
+        self.origin = match sample.lobe {
             LobeKind::Delta => Origin::Delta { diffuse_share, links },
             LobeKind::Diffuse | LobeKind::Glossy => Origin::Bsdf {
-                receiver: receiver(&surface, wo),
+                receiver: receiver(surface, *wo),
                 pdf_solid_angle: sample.pdf_solid_angle,
                 diffuse_share,
                 links,
             },
         };
-        ray = surface.at.spawn_ray(sample.wi);
+        self.ray = surface.at.spawn_ray(sample.wi);
+        self.bounce = bounce + 1;
+        Some(Scattering { sample, survival })
     }
-    RadianceSample { radiance, coverage }
+
+    /// Russian roulette by throughput, relative to that after the path's first scattering: it is errors relative to the
+    /// pixel's own brightness that are to be small. The chance with which the path goes on; `None` where it does not.
+    #[inline(always)]
+    fn survival(&mut self, bounce: u32, sampler: &mut Sampler) -> Option<f32> {
+        if self.throughput.is_black() || !self.throughput.is_finite() {
+            return None;
+        }
+        let survival = self.throughput.max_channel() * self.scale / ROULETTE_SHARE;
+        if bounce < self.scene.settings.roulette_bounces || survival >= 1.0 {
+            return Some(1.0);
+        }
+        sampler.start_dimension(dimensions::vertex(bounce, Draw::Roulette));
+        if sampler.next_1d() >= survival {
+            return None;
+        }
+        self.throughput *= 1.0 / survival;
+        Some(survival)
+    }
+
+    /// Takes the throughput: from here on it is that of what follows.
+    pub fn take_throughput(&mut self) -> Rgb {
+        self.scale *= self.throughput.max_channel();
+        std::mem::replace(&mut self.throughput, Rgb::WHITE)
+    }
 }
 
 /// Paths that bring less than this part of what their first scattering let through may end at random. Measured:
 /// the error times the rays is 12 % larger with 1 in a Cornell box, 7 % with a quarter.
 const ROULETTE_SHARE: f32 = 0.5;
 
-/// Russian roulette by throughput, relative to that after the path's first scattering: it is errors relative to the
-/// pixel's own brightness that are to be small.
-fn survives(scene: &RenderScene, bounce: u32, first: f32, throughput: &mut Rgb, sampler: &mut Sampler) -> bool {
-    if throughput.is_black() || !throughput.is_finite() {
-        return false;
-    }
-    let survival = throughput.max_channel() / (ROULETTE_SHARE * first);
-    if bounce < scene.settings.roulette_bounces || survival >= 1.0 {
-        return true;
-    }
-    sampler.start_dimension(dimensions::vertex(bounce, Draw::Roulette));
-    if sampler.next_1d() >= survival {
-        return false;
-    }
-    *throughput *= 1.0 / survival;
-    true
-}
-
 /// Channel by channel, how much of `whole` is `part`.
 fn share(part: Rgb, whole: Rgb) -> Rgb {
     Rgb((part.0 / whole.0.max(glam::Vec3::splat(f32::MIN_POSITIVE))).clamp(glam::Vec3::ZERO, glam::Vec3::ONE))
-}
-
-/// How a light's `diffuse` and `specular` multipliers scale what arrives through a sampled lobe.
-fn multiplier(scene: &RenderScene, light: u32, diffuse_share: Rgb) -> Rgb {
-    let light = &scene.lights.lights()[light as usize];
-    Rgb::splat(light.specular()) + diffuse_share * (light.diffuse() - light.specular())
 }
 
 /// A surface as it asks for light, on the viewer's side.
@@ -158,111 +203,82 @@ pub(crate) fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
     Receiver { point: at.point, normal: at.normal.facing(wo), clearance: at.clearance }
 }
 
-/// Weight of a light's radiance that was found by following a ray. `density`: with which the light, once chosen,
-/// makes the ray's direction.
-fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: impl Fn(&Receiver) -> f32) -> Rgb {
-    if origin.links().is_some_and(|links| !scene.is_lit(links, light)) {
-        return Rgb::BLACK;
-    }
-    match origin {
-        Origin::Camera => Rgb::WHITE,
-        Origin::Delta { diffuse_share, .. } => multiplier(scene, light, diffuse_share),
-        Origin::Bsdf { receiver, pdf_solid_angle, diffuse_share, links } => {
-            if !scene.is_found_by_rays(light) {
-                // its shadows are not those that rays meet
-                return Rgb::BLACK;
-            }
-            let pdf_light = scene.light_pmf(links, &receiver, light) * density(&receiver);
-            let mis_weight_bsdf = power_heuristic(pdf_solid_angle, pdf_light);
-            multiplier(scene, light, diffuse_share) * mis_weight_bsdf
-        }
-    }
-}
-
-fn from_shape(scene: &RenderScene, hit: &ShapeHit, ray: &Ray, origin: Origin) -> Rgb {
-    let light = &scene.lights.lights()[hit.light as usize];
-    let density = |r: &Receiver| light.pdf_solid_angle(r.point, ray.direction);
-    hit.radiance * weight_of_found(scene, hit.light, origin, density)
-}
-
-/// Radiance that geometry emits against a ray.
-fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi: Vector3, origin: Origin) -> Rgb {
-    let Some(emitter) = scene.lights.emitter_at(hit) else { return surface.emission };
-    let as_light = matches!(origin, Origin::Bsdf { .. });
-    if emitter.glows && !as_light {
-        return surface.emission;
-    }
-    let Some(index) = emitter.light else { return Rgb::BLACK };
-    let Some(light) = scene.lights.lights()[index as usize].as_mesh() else { return Rgb::BLACK };
-    let radiance = light.radiance(hit.triangle, wi, surface.at.normal);
-    if radiance.is_black() {
-        return Rgb::BLACK;
-    }
-    radiance * weight_of_found(scene, index, origin, |r| light.pdf_solid_angle(r, hit.triangle, wi))
-}
-
-/// Radiance of the lights around the scene, and whether the camera sees any of them.
-fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool) {
-    let mut sum = Rgb::BLACK;
-    let mut seen = false;
-    for &light in scene.lights.infinite() {
-        let of_light = &scene.lights.lights()[light as usize];
-        if matches!(origin, Origin::Camera)
-            && !(of_light.camera_visible() && scene.settings.dome_light_camera_visibility)
-        {
-            continue;
-        }
-        if let Some(radiance) = of_light.radiance_from_infinity(wi) {
-            sum += radiance * weight_of_found(scene, light, origin, |r| of_light.pdf_solid_angle(r.point, wi));
-            seen = true;
-        }
-    }
-    (sum, seen)
-}
-
 /// From a surface to a point of a light.
 pub(crate) fn shadow_ray(surface: &SurfaceInteraction, sample: &LightSample) -> Ray {
     // the light's own rounding error is relative to its distance
     Ray { t_max: sample.distance * (1.0 - 4.0 * f32::EPSILON), ..surface.at.spawn_ray(sample.wi) }
 }
 
-/// Next-event estimation: one light sample, weighted against finding it by the BSDF.
-pub(crate) fn direct(
+/// Light that arrives at a vertex by a light sample.
+pub(super) struct Arriving {
+    /// Where from.
+    pub wi: Vector3,
+    /// Radiance over the sample's density.
+    pub radiance: Rgb,
+    /// How much of it the vertex reflects back along the path: the BSDF times the cosine, as the light scales it.
+    pub reflectance: Rgb,
+    /// That scale, where it is the same for all lobes.
+    pub multiplier: f32,
+    /// Density of the light sample; `None` where it alone finds the light.
+    pub pdf_solid_angle: Option<f32>,
+    /// Density with which the BSDF makes the direction.
+    pub pdf_of_bsdf: f32,
+}
+
+impl Arriving {
+    /// The sample's weight against finding the light by rays of a density.
+    #[inline]
+    pub fn mis_weight_light(&self, pdf_of_rays: f32) -> f32 {
+        self.pdf_solid_angle.map_or(1.0, |pdf_light| power_heuristic(pdf_light, pdf_of_rays))
+    }
+}
+
+/// Next-event estimation: radiance that a vertex sends back along the path, by one light sample.
+#[inline(always)]
+pub(crate) fn direct(scene: &RenderScene, vertex: &Vertex<'_>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
+    let arriving = arriving(scene, vertex, sampler, rays);
+    arriving.map_or(Rgb::BLACK, |light| light.radiance * light.reflectance * light.mis_weight_light(light.pdf_of_bsdf))
+}
+
+/// One light sample; `None` where nothing arrives, or nothing is reflected.
+#[inline(always)]
+pub(super) fn arriving(
     scene: &RenderScene,
-    surface: &SurfaceInteraction,
-    guided: &Guided<'_>,
-    wo: Vector3,
-    bounce: u32,
+    vertex: &Vertex<'_>,
     sampler: &mut Sampler,
     rays: &mut u64,
-) -> Rgb {
-    let receiver = receiver(surface, wo);
-    let chosen = scene.choose_light(surface.links, &receiver, || {
-        sampler.start_dimension(dimensions::vertex(bounce, Draw::LightChoice));
+) -> Option<Arriving> {
+    let Vertex { surface, guided, wo, bounce } = vertex;
+    let receiver = receiver(surface, *wo);
+    let (index, pmf) = scene.choose_light(surface.links, &receiver, || {
+        sampler.start_dimension(dimensions::vertex(*bounce, Draw::LightChoice));
         sampler.next_1d()
-    });
-    let Some((index, pmf)) = chosen else { return Rgb::BLACK };
+    })?;
     let light = &scene.lights.lights()[index as usize];
-    sampler.start_dimension(dimensions::vertex(bounce, Draw::LightPoint));
-    let Some(sample) = light.sample_for(&receiver, sampler.next_2d()) else { return Rgb::BLACK };
-    let value = guided.evaluate(wo, sample.wi);
+    sampler.start_dimension(dimensions::vertex(*bounce, Draw::LightPoint));
+    let sample = light.sample_for(&receiver, sampler.next_2d())?;
+    let value = guided.evaluate(*wo, sample.wi);
     let f = value.diffuse * light.diffuse() + value.glossy * light.specular();
+    let reflectance = f * guided.bsdf.cos_theta(sample.wi);
     let pdf_light = pmf * sample.pdf_solid_angle;
-    let unoccluded = f * sample.radiance * (guided.bsdf.cos_theta(sample.wi) / pdf_light);
+    let radiance = sample.radiance * (1.0 / pdf_light);
+    let unoccluded = radiance * reflectance;
     if unoccluded.is_black() || !unoccluded.is_finite() {
-        return Rgb::BLACK;
+        return None;
     }
-    let mis_weight_light = if sample.is_delta || !scene.is_found_by_rays(index) {
-        1.0
-    } else {
-        power_heuristic(pdf_light, value.pdf_solid_angle)
+    let shadow_ray = || shadow_ray(surface, &sample);
+    let radiance = match light.shadow_shape() {
+        _ if !light.shadow_enable() => radiance,
+        Some(shape) => radiance * shadow::visibility(scene, shape, shadow_ray(), index, surface.links, rays),
+        None => radiance * scene.arriving(shadow_ray(), index, surface.links, rays),
     };
-    if !light.shadow_enable() {
-        return unoccluded * mis_weight_light;
-    }
-    let shadow_ray = shadow_ray(surface, &sample);
-    if let Some(shape) = light.shadow_shape() {
-        return unoccluded * shadow::visibility(scene, shape, shadow_ray, index, surface.links, rays);
-    }
-    unoccluded * (mis_weight_light * scene.arriving(shadow_ray, index, surface.links, rays))
+    let is_found_by_rays = !sample.is_delta && scene.is_found_by_rays(index);
+    (!radiance.is_black()).then_some(Arriving {
+        wi: sample.wi,
+        radiance,
+        reflectance,
+        multiplier: light.diffuse(),
+        pdf_solid_angle: is_found_by_rays.then_some(pdf_light),
+        pdf_of_bsdf: value.pdf_solid_angle,
+    })
 }

@@ -11,7 +11,7 @@ use super::control::Shared;
 use crate::adaptive::{self, Plan};
 use crate::caustics::{self, CausticMap};
 use crate::film::{COARSE, Film};
-use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile};
+use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile, reuse};
 use crate::scene::RenderScene;
 
 /// Samples a pixel that one pass of a final frame adds.
@@ -33,6 +33,8 @@ pub(super) struct Picture {
     plan: Option<Plan>,
     /// After how many samples caustics are looked for, as long as they were not.
     caustics_after: Option<u32>,
+    /// After how many it is decided how many pixels share paths, as long as it was not.
+    reuse_after: Option<u32>,
     seconds: f64,
     rays: AtomicU64,
     samples: AtomicU64,
@@ -52,7 +54,21 @@ impl Picture {
         let order = film.tile_order();
         let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
         let caustics_after = caustics::are_looked_for_after(&scene.settings, &scene.materials);
-        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, caustics_after, seconds: 0.0, rays, samples }
+        let reuse_after = reuse::is_possible_after(&scene.settings, &scene.lights);
+        Self {
+            epoch,
+            scene,
+            film,
+            order,
+            coarse: 0,
+            done: 0,
+            plan: None,
+            caustics_after,
+            reuse_after,
+            seconds: 0.0,
+            rays,
+            samples,
+        }
     }
     /// The restart that it belongs to.
     pub fn epoch(&self) -> u64 {
@@ -65,6 +81,10 @@ impl Picture {
             let Some((samples, stride)) = self.next_pass() else { break };
             if self.caustics_after.is_some_and(|samples| self.done >= samples) {
                 self.look_for_caustics(shared, pool);
+            }
+            // paths are judged as they will be: led
+            if self.caustics_after.is_none() && self.reuse_after.is_some_and(|samples| self.done >= samples) {
+                self.decide_about_reuse(shared, pool);
             }
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
@@ -98,6 +118,21 @@ impl Picture {
         let map = pool.install(|| CausticMap::new(scene, film, samples, &stop, rays));
         if !stop.now() {
             (self.scene.caustics, self.caustics_after) = (map, None);
+        }
+        self.seconds += started.elapsed().as_secs_f64();
+    }
+
+    /// Decides how many pixels share the paths of samples to come; as before where it was stopped.
+    fn decide_about_reuse(&mut self, shared: &Shared, pool: &ThreadPool) {
+        let started = Instant::now();
+        let stop = self.stop(shared, started);
+        let (scene, film) = (&self.scene, self.film.desc());
+        let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
+        let rays = self.rays.get_mut();
+        let group = pool.install(|| reuse::best_group(scene, film, samples, &stop, rays));
+        if !stop.now() {
+            (self.scene.path_group, self.reuse_after) = (group, None);
+            shared.update_stats(|s| s.path_group = group as u32);
         }
         self.seconds += started.elapsed().as_secs_f64();
     }

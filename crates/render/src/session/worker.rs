@@ -114,6 +114,7 @@ impl Worker {
                 as u64,
             film_bytes: film.memory_bytes(if scene.settings.converged_variance >= 0.0 { 2 } else { 1 }) as u64,
             relative_variance: -1.0,
+            path_group: 1,
             built_meshes: built.meshes,
             built_top_level: built.top_level,
             ..Stats::default()

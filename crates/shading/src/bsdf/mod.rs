@@ -227,9 +227,14 @@ impl Bsdf {
     /// Whether a lobe is wide: caustics show on it.
     #[inline]
     pub fn scatters(&self) -> bool {
+        self.is_wider_than(NARROW_ALPHA)
+    }
+    /// Whether a lobe is as wide as `alpha`; the diffuse one is as wide as any.
+    #[inline]
+    pub fn is_wider_than(&self, alpha: f32) -> bool {
         match &self.lobes.0 {
             Kind::Lambert(albedo) => !albedo.is_black(),
-            Kind::Layered(layers) => !layers.diffuse.is_black() || layers.widths().any(|alpha| alpha >= NARROW_ALPHA),
+            Kind::Layered(layers) => !layers.diffuse.is_black() || layers.widths().any(|width| width >= alpha),
         }
     }
     /// Whether it reflects nothing at all.

@@ -1,0 +1,52 @@
+//! Paths that neighbouring pixels share: each pixel takes the light that all of a group found.
+//!
+//! Of two paths that leave neighbouring points of a surface, each could have met what the other met second, and most
+//! of a path's cost lies behind that. So the pixels of a group each trace one path, and the first surface point of
+//! each is joined to the second ones of all others that it sees (Bekaert, Sbert & Halton 2002, "Accelerating Path
+//! Tracing by Re-Using Paths"): for the rays of one path more, a pixel has light from as many directions as the group
+//! has pixels.
+//!
+//! All members are techniques that could have made the same second point; each counts by its density over the sum of
+//! all (Veach's balance heuristic), of which those that do not see the point are no part. So there is no bias, and
+//! where neighbours have little in common, at an edge or a narrow reflection, a pixel's own path counts nearly alone.
+//! The directions from the second point on are weighed likewise, and so are light samples there against the rays that
+//! find the same light, which keeps narrow lobes there from making bright specks. What the first point gets straight
+//! from lights, what shines by itself at the second, and what leaves either by a perfect mirror stays the pixel's own.
+//!
+//! A tile's pixels make other groups every few samples ([`groups`]), so that no pattern of them shows. How large they
+//! are is decided once a picture by what paths of its own show ([`gain`]): in light that comes straight there is
+//! nothing to share.
+
+mod gain;
+mod groups;
+mod share;
+mod trace;
+
+use umber_settings::{Integrator, Settings};
+
+use super::sampling;
+use crate::light_set::LightSet;
+
+pub(crate) use gain::best_group;
+pub(super) use groups::Groups;
+pub(super) use share::share;
+pub(super) use trace::trace;
+
+/// Most pixels of a group.
+pub(super) const LARGEST_GROUP: usize = 16;
+/// Where somebody watches, or the time is limited, there are so many samples a pixel before any is shared.
+const SAMPLES_BEFORE: u32 = 8;
+
+/// After how many samples a pixel paths may be shared; `None` where they are not to be.
+pub(crate) fn is_possible_after(settings: &Settings, lights: &LightSet) -> Option<u32> {
+    let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
+    let samples = if may_end_early { SAMPLES_BEFORE } else { 0 };
+    // what a lobe gets of such a light is not what another one gets: it cannot be handed on
+    let tells_lobes_apart = |light: &umber_shading::Light| light.diffuse() != light.specular();
+    let is_possible = settings.path_reuse
+        && settings.integrator == Integrator::Path
+        && settings.max_bounces >= 2
+        && (may_end_early || !sampling::spreads_blue_noise(settings))
+        && !lights.lights().iter().any(tells_lobes_apart);
+    is_possible.then_some(samples)
+}

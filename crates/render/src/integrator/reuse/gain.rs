@@ -1,0 +1,143 @@
+//! What sharing is worth in a picture: the error over the rays, of groups of several sizes.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use umber_math::{Rgb, Vec2};
+use umber_sampling::Sampler;
+
+use super::{LARGEST_GROUP, share, trace};
+use crate::film::{self, FilmDesc};
+use crate::integrator::{Stop, dimensions};
+use crate::scene::RenderScene;
+
+/// Sizes of groups that are tried: squares of pixels.
+const SIZES: [usize; 3] = [1, 4, LARGEST_GROUP];
+/// Edge of a block of pixels that tries them, in pixels.
+const BLOCK: usize = 4;
+/// Pictures that it takes of a block, independent of each other.
+const PICTURES: usize = 2;
+/// Most blocks that try.
+const MOST_BLOCKS: u64 = 512;
+/// Less say nothing.
+const LEAST_BLOCKS: u64 = 64;
+/// A trial may take this part of the picture's paths.
+const TRIAL: u64 = 64;
+/// How much better it has to be to share: noise is less even then.
+const CLEARLY: f64 = 0.95;
+/// What a ray that joins two vertices costs, over one of a path with all that is computed there; measured, it is .6 to
+/// 1.6, by the lobes at both ends.
+const JOIN_COST: f64 = 0.75;
+/// Distinguishes its random numbers from those of the picture.
+const STREAM: u64 = 8 << 32;
+
+/// What a block found of each size.
+#[derive(Clone, Copy, Default)]
+struct Trial {
+    /// Mean radiance of all its samples.
+    mean: DVec3,
+    /// Variance of one sample of a pixel, the mean over its pixels.
+    variances: [DVec3; SIZES.len()],
+    rays: [u64; SIZES.len()],
+}
+
+/// Of groups of 1, 4 and [`LARGEST_GROUP`] pixels those that cost the fewest rays to a given error; for a picture of so
+/// many samples a pixel to come. Small pictures are not worth a trial: 1. Counts rays.
+pub(crate) fn best_group(
+    scene: &RenderScene,
+    film: &FilmDesc,
+    samples: u32,
+    stop: &Stop<'_>,
+    rays: &mut u64,
+) -> usize {
+    let paths = (film.width * film.height) as u64 * u64::from(samples) / TRIAL;
+    let blocks = (paths / (BLOCK * BLOCK * PICTURES) as u64).min(MOST_BLOCKS);
+    if blocks < LEAST_BLOCKS || film.width < BLOCK || film.height < BLOCK {
+        return 1;
+    }
+    let one = |block| if stop.now() { Trial::default() } else { Trial::new(scene, film, block) };
+    let trials: Vec<Trial> = (0..blocks as u32).into_par_iter().map(one).collect();
+    *rays += trials.iter().map(|trial| trial.rays[SIZES.len() - 1]).sum::<u64>();
+    SIZES[best(&trials)]
+}
+
+/// The number of the size with the least product of error and rays.
+fn best(trials: &[Trial]) -> usize {
+    let mean = trials.iter().map(|trial| trial.mean).sum::<DVec3>() / trials.len() as f64;
+    let floor = film::error_floor(film::luminance(mean));
+    let cost = |size: usize| {
+        let relative = |t: &Trial| (t.variances[size] / (t.mean * t.mean + floor)).dot(DVec3::ONE);
+        let rays = |size: usize| trials.iter().map(|trial| trial.rays[size]).sum::<u64>() as f64;
+        trials.iter().map(relative).sum::<f64>() * (rays(0) + JOIN_COST * (rays(size) - rays(0)))
+    };
+    let shared = (1..SIZES.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+    shared.filter(|size| cost(*size) < CLEARLY * cost(0)).unwrap_or(0)
+}
+
+impl Trial {
+    fn new(scene: &RenderScene, film: &FilmDesc, block: u32) -> Self {
+        let seed = STREAM | u64::from(scene.settings.seed);
+        let place = Sampler::new(seed, [block, 0], 0).next_2d();
+        let within = |u: f32, size: usize| (u * (size - BLOCK + 1) as f32) as usize;
+        let corner = [within(place.x, film.width), within(place.y, film.height)];
+        // Of each size and pixel
+        let pictures: [_; PICTURES] = std::array::from_fn(|picture| picture_of(scene, seed, corner, block, picture as u32));
+        let [(a, rays_a), (b, rays_b)] = &pictures;
+        let pixels = (BLOCK * BLOCK) as f64;
+        let variance = |size: usize| a[size].iter().zip(&b[size]).map(|(a, b)| 0.5 * (*a - *b).powf(2.0)).sum::<DVec3>() / pixels;
+        let smoothest = SIZES.len() - 1;
+        Self {
+            mean: a[smoothest].iter().chain(&b[smoothest]).sum::<DVec3>() / (PICTURES as f64 * pixels),
+            variances: std::array::from_fn(variance),
+            rays: std::array::from_fn(|size| rays_a[size] + rays_b[size]),
+        }
+    }
+}
+
+/// Radiance of each pixel of a block in groups of each size, and rays taken.
+fn picture_of(
+    scene: &RenderScene,
+    seed: u64,
+    corner: [usize; 2],
+    block: u32,
+    picture: u32,
+) -> ([Vec<DVec3>; SIZES.len()], [u64; SIZES.len()]) {
+    let mut paths: Vec<_> = (0..BLOCK * BLOCK)
+        .map(|i| {
+            // squares of four follow each other
+            let offset = [0, 1].map(|axis| (i >> axis & 1) + (i >> (axis + 2) & 1) * 2);
+            let mut sampler = Sampler::new(seed, [block, 1 + i as u32], picture);
+            sampler.start_dimension(dimensions::FILM);
+            let at = Vec2::new((corner[0] + offset[0]) as f32, (corner[1] + offset[1]) as f32);
+            trace(scene, scene.camera.ray(at + sampler.next_2d()), &mut sampler)
+        })
+        .collect();
+    let own: Vec<(Rgb, u64)> = paths.iter().map(|path| (path.radiance, path.rays)).collect();
+    let mut rays = [0; SIZES.len()];
+    let radiance = std::array::from_fn(|size| {
+        paths.iter_mut().zip(&own).for_each(|(path, own)| (path.radiance, path.rays) = *own);
+        paths.chunks_mut(SIZES[size]).for_each(|group| share(scene, group));
+        rays[size] = paths.iter().map(|path| path.rays).sum();
+        paths.iter().map(|path| super::super::sampling::kept(scene, path.radiance).0.as_dvec3()).collect()
+    });
+    (radiance, rays)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(variances: [f64; 3], rays: [u64; 3]) -> Trial {
+        Trial { mean: DVec3::ONE, variances: variances.map(DVec3::splat), rays }
+    }
+
+    #[test]
+    fn the_size_of_least_error_over_rays_is_taken_where_it_is_clearly_better() {
+        assert_eq!(best(&[trial([1.0, 0.3, 0.1], [10, 14, 30])]), 2);
+        assert_eq!(best(&[trial([1.0, 0.5, 0.4], [10, 14, 30])]), 1);
+        assert_eq!(best(&[trial([1.0, 0.9, 0.8], [10, 14, 30])]), 0);
+        assert_eq!(best(&[trial([1.0, 0.75, 0.6], [10, 14, 20])]), 0);
+        // errors are relative to a block's own brightness
+        let bright = Trial { mean: DVec3::splat(100.0), ..trial([1.0, 100.0, 1e4], [10, 14, 30]) };
+        assert_eq!(best(&[bright, trial([1.0, 0.3, 0.1], [10, 14, 30])]), 1);
+    }
+}

@@ -1,0 +1,208 @@
+//! The samples of a tile's pixels.
+
+use umber_math::{Rgb, Vec2};
+use umber_sampling::Sampler;
+use umber_settings::{Integrator, Settings};
+
+use super::reuse::{self, Groups};
+use super::{Goal, RadianceSample, Stop, Target, TileWork, center, dimensions, mirror, path};
+use crate::film::{Film, Samples, TileRect};
+use crate::scene::RenderScene;
+
+/// Renders a tile until every pixel has got where `goal` says. Ends early where stopped, between samples.
+///
+/// Each pixel adds its samples in their own order: the sums do not depend on who renders, nor on how
+/// often it was stopped.
+pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_>, stop: &Stop<'_>) -> TileWork {
+    let mut work = TileWork::default();
+    let (rect, mut halves, known) = {
+        let tile = film.tile(tile);
+        (tile.rect, tile.halves.clone(), tile.has_centers())
+    };
+    let pixels = rect.width * rect.height;
+    if film.has_center_aovs() && !known && goal.stride == 1 {
+        let hits: Vec<_> = (0..pixels).map(|i| center::trace(scene, rect.place(i), &mut work.rays)).collect();
+        film.set_centers(tile, &hits);
+    }
+    for (half, samples) in (0..).zip(&mut halves) {
+        if goal.counts(rect.x, rect.y)[half as usize] > 0 {
+            samples.prepare(pixels, !matches!(goal.target, Target::Even));
+        }
+        let sequence = Sequence { seed: goal.seed(scene, half), half, is_blue: spreads_blue_noise(&scene.settings) };
+        let pass = Pass { scene, view_min: film.desc().data_window_min, rect, goal, stop, sequence };
+        let whole = if scene.path_group > 1 && goal.stride == 1 {
+            pass.sample_in_groups(samples, &mut work)
+        } else {
+            pass.sample_one_by_one(samples, &mut work)
+        };
+        if !whole {
+            break;
+        }
+    }
+    film.tile(tile).halves = halves;
+    work
+}
+
+/// A final frame of at least so many samples a pixel takes every pixel's points by themselves.
+const MANY_SAMPLES: u32 = 16;
+
+/// Whether the error is to be blue noise over pixels: where pictures of few samples are seen.
+///
+/// Both halves of an adaptive picture are then made so, each by its own seed: they count the same, and a half whose
+/// error is white noise would drown the other's. They stay independent, as their seeds are.
+pub(super) fn spreads_blue_noise(settings: &Settings) -> bool {
+    settings.enable_interactive || settings.converged_samples_per_pixel < MANY_SAMPLES
+}
+
+/// Samples of one half of a pixel.
+#[derive(Clone, Copy)]
+struct Sequence {
+    seed: u64,
+    half: u32,
+    is_blue: bool,
+}
+
+impl Sequence {
+    #[inline]
+    fn sampler(self, pixel: [u32; 2], number: u32) -> Sampler {
+        if self.is_blue {
+            Sampler::blue_noise(self.seed, pixel, number)
+        } else {
+            Sampler::new(self.seed, pixel, number)
+        }
+    }
+}
+
+/// One half of a tile in a pass.
+struct Pass<'a> {
+    scene: &'a RenderScene,
+    /// Where the film lies in the view.
+    view_min: [i32; 2],
+    rect: TileRect,
+    goal: &'a Goal<'a>,
+    stop: &'a Stop<'a>,
+    sequence: Sequence,
+}
+
+impl<'a> Pass<'a> {
+    /// Samples that the pixel at a column and a row is to have.
+    fn count(&self, [x, y]: [usize; 2]) -> u32 {
+        self.goal.counts(x, y)[self.sequence.half as usize]
+    }
+
+    /// Brings one pixel after the other to its count; false where stopped.
+    fn sample_one_by_one(&self, samples: &mut Samples, work: &mut TileWork) -> bool {
+        for i in 0..samples.sums.len() {
+            let [x, y] = self.rect.place(i);
+            let stride = self.goal.stride;
+            if stride > 1 && (x % stride != 0 || y % stride != 0) {
+                continue;
+            }
+            if self.stop.late() {
+                return false;
+            }
+            let count = self.count([x, y]);
+            while samples.sums[i].samples < count {
+                if self.stop.cancelled() {
+                    return false;
+                }
+                let mut rays = 0;
+                let sample = self.sample([x, y], samples.sums[i].samples, &mut rays);
+                self.add(samples, i, sample, rays, work);
+            }
+        }
+        true
+    }
+
+    /// Brings all pixels to one count after the other, groups sharing their paths; false where stopped.
+    fn sample_in_groups(&self, samples: &mut Samples, work: &mut TileWork) -> bool {
+        let (count, rect) = (samples.sums.len(), self.rect);
+        let most = (0..count).map(|i| self.count(rect.place(i))).max().unwrap_or(0);
+        let least = samples.sums.iter().map(|sum| sum.samples).min().unwrap_or(0);
+        let groups = Groups::new(self.scene.path_group, self.sequence.seed, self.in_view([rect.x, rect.y]));
+        let mut pixels = Vec::with_capacity(count);
+        let mut paths = Vec::with_capacity(reuse::LARGEST_GROUP);
+        (least..most).all(|number| {
+            pixels.clear();
+            pixels.extend((0..count).map(|i| rect.place(i)).filter(|place| self.count(*place) > number));
+            groups.each(&mut pixels, number, &mut |group| {
+                // a group has its samples all together
+                if samples.sums[rect.index(group[0])].samples > number {
+                    return true;
+                }
+                if self.stop.now() {
+                    return false;
+                }
+                paths.clear();
+                paths.extend(group.iter().map(|&place| {
+                    let mut sampler = self.sampler(place, number);
+                    let ray = self.jittered_ray(place, &mut sampler);
+                    reuse::trace(self.scene, ray, &mut sampler)
+                }));
+                reuse::share(self.scene, &mut paths);
+                for (path, &place) in paths.iter().zip(group) {
+                    let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
+                    self.add(samples, rect.index(place), sample, path.rays, work);
+                }
+                true
+            })
+        })
+    }
+
+    fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, rays: u64, work: &mut TileWork) {
+        samples.add(i, kept(self.scene, sample.radiance), sample.coverage, rays as u32);
+        work.rays += rays;
+        work.samples += 1;
+    }
+
+    /// The number of a pixel within the whole view, so that a part of it has the same samples.
+    fn in_view(&self, [x, y]: [usize; 2]) -> [u32; 2] {
+        [(x as i32 + self.view_min[0]) as u32, (y as i32 + self.view_min[1]) as u32]
+    }
+    fn sampler(&self, place: [usize; 2], number: u32) -> Sampler {
+        self.sequence.sampler(self.in_view(place), number)
+    }
+    fn ray(&self, [x, y]: [usize; 2], in_pixel: Vec2) -> umber_math::Ray {
+        self.scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel)
+    }
+    fn jittered_ray(&self, place: [usize; 2], sampler: &mut Sampler) -> umber_math::Ray {
+        sampler.start_dimension(dimensions::FILM);
+        self.ray(place, sampler.next_2d())
+    }
+
+    /// Takes sample number `number` of a pixel.
+    fn sample(&self, place: [usize; 2], number: u32, rays: &mut u64) -> RadianceSample {
+        let scene = self.scene;
+        let sampler = || self.sampler(place, number);
+        match scene.settings.integrator {
+            Integrator::Mirror if number == 0 && self.sequence.half == 0 => {
+                mirror::radiance(scene, self.ray(place, Vec2::splat(0.5)), sampler, rays)
+            }
+            Integrator::Mirror => {
+                let mut sampler = sampler();
+                mirror::radiance(scene, self.jittered_ray(place, &mut sampler), || sampler, rays)
+            }
+            _ => {
+                let mut sampler = sampler();
+                path::radiance(scene, self.jittered_ray(place, &mut sampler), &mut sampler, rays)
+            }
+        }
+    }
+}
+
+/// What a pixel keeps of a sample's radiance.
+pub(super) fn kept(scene: &RenderScene, radiance: Rgb) -> Rgb {
+    clamped(finite(radiance), scene.settings.firefly_clamp)
+}
+
+/// The same hue, with no channel above `largest`; 0 is no bound.
+fn clamped(radiance: Rgb, largest: f32) -> Rgb {
+    let channel = radiance.max_channel();
+    if largest > 0.0 && channel > largest { radiance * (largest / channel) } else { radiance }
+}
+
+/// Nothing may poison a pixel: what is not a number counts as black, what is too large is cut.
+fn finite(radiance: Rgb) -> Rgb {
+    const LARGEST: f32 = 1e30;
+    if radiance.0.is_nan() { Rgb::BLACK } else { Rgb(radiance.0.clamp(glam::Vec3::ZERO, glam::Vec3::splat(LARGEST))) }
+}
