@@ -6,9 +6,9 @@ mod direct;
 mod found;
 mod mirror;
 pub mod path;
+pub mod raster;
 pub(crate) mod reuse;
 mod sampling;
-pub mod raster;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

@@ -12,8 +12,8 @@ use umber_shading::LobeKind;
 
 use super::aim::Guided;
 use crate::film::FilmDesc;
-use crate::integrator::path::{self, Vertex};
 use crate::integrator::Stop;
+use crate::integrator::path::{self, Vertex};
 use crate::scene::RenderScene;
 use crate::surface::SurfaceInteraction;
 
@@ -147,12 +147,7 @@ fn photon(
         if bsdf.scatters() {
             let reflected = bsdf.albedo(wo).luminance() * radiance;
             let (point, weight) = (there.at.point, flux * radiance);
-            let vertex = Vertex {
-                surface: there,
-                guided: Guided::new(bsdf, point, None),
-                wo,
-                bounce: LANDING_VERTEX,
-            };
+            let vertex = Vertex { surface: there, guided: Guided::new(bsdf, point, None), wo, bounce: LANDING_VERTEX };
             // photons to come go on with the numbers that follow
             let mut sampler = *sampler;
             let direct = path::direct(scene, &vertex, &mut sampler, rays).luminance();

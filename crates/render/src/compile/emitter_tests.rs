@@ -299,6 +299,7 @@ fn copy(scene: &RenderScene) -> RenderScene {
         linking: scene.linking.clone(),
         partly_present: scene.partly_present,
         caustics: None,
+        path_group: 1,
     }
 }
 

@@ -123,8 +123,7 @@ fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi
 /// Radiance of each light around the scene that has any.
 fn lights_from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> impl Iterator<Item = Rgb> {
     let is_visible = move |light: &Light| {
-        !matches!(origin, Origin::Camera)
-            || light.camera_visible() && scene.settings.dome_light_camera_visibility
+        !matches!(origin, Origin::Camera) || light.camera_visible() && scene.settings.dome_light_camera_visibility
     };
     scene.lights.infinite().iter().filter_map(move |&index| {
         let light = &scene.lights.lights()[index as usize];

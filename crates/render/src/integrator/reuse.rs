@@ -20,6 +20,8 @@
 mod gain;
 mod groups;
 mod share;
+#[cfg(test)]
+mod tests;
 mod trace;
 
 use umber_settings::{Integrator, Settings};

@@ -42,13 +42,7 @@ struct Trial {
 
 /// Of groups of 1, 4 and [`LARGEST_GROUP`] pixels those that cost the fewest rays to a given error; for a picture of so
 /// many samples a pixel to come. Small pictures are not worth a trial: 1. Counts rays.
-pub(crate) fn best_group(
-    scene: &RenderScene,
-    film: &FilmDesc,
-    samples: u32,
-    stop: &Stop<'_>,
-    rays: &mut u64,
-) -> usize {
+pub(crate) fn best_group(scene: &RenderScene, film: &FilmDesc, samples: u32, stop: &Stop<'_>, rays: &mut u64) -> usize {
     let paths = (film.width * film.height) as u64 * u64::from(samples) / TRIAL;
     let blocks = (paths / (BLOCK * BLOCK * PICTURES) as u64).min(MOST_BLOCKS);
     if blocks < LEAST_BLOCKS || film.width < BLOCK || film.height < BLOCK {
@@ -80,10 +74,12 @@ impl Trial {
         let within = |u: f32, size: usize| (u * (size - BLOCK + 1) as f32) as usize;
         let corner = [within(place.x, film.width), within(place.y, film.height)];
         // Of each size and pixel
-        let pictures: [_; PICTURES] = std::array::from_fn(|picture| picture_of(scene, seed, corner, block, picture as u32));
+        let pictures: [_; PICTURES] =
+            std::array::from_fn(|picture| picture_of(scene, seed, corner, block, picture as u32));
         let [(a, rays_a), (b, rays_b)] = &pictures;
         let pixels = (BLOCK * BLOCK) as f64;
-        let variance = |size: usize| a[size].iter().zip(&b[size]).map(|(a, b)| 0.5 * (*a - *b).powf(2.0)).sum::<DVec3>() / pixels;
+        let variance =
+            |size: usize| a[size].iter().zip(&b[size]).map(|(a, b)| 0.5 * (*a - *b).powf(2.0)).sum::<DVec3>() / pixels;
         let smoothest = SIZES.len() - 1;
         Self {
             mean: a[smoothest].iter().chain(&b[smoothest]).sum::<DVec3>() / (PICTURES as f64 * pixels),

@@ -62,11 +62,8 @@ fn add_shares(
     for (member, (path, share)) in paths.iter().zip(&mut shares).enumerate() {
         // a path sees its own second vertex; through what is partly there, with the chance that it did
         let is_seen = member == owner && !scene.partly_present;
-        *share = join(scene, path, second, is_seen, &mut density, &mut rays[member]).map(|[of_light, of_onwards]| Share {
-            member,
-            of_light,
-            of_onwards,
-        });
+        *share = join(scene, path, second, is_seen, &mut density, &mut rays[member])
+            .map(|[of_light, of_onwards]| Share { member, of_light, of_onwards });
     }
     let light = second.light_over_density(&density);
     let onwards = second.onwards.as_ref().map_or(Rgb::BLACK, |onwards| onwards.over_density(scene, &density));

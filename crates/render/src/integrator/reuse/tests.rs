@@ -1,0 +1,167 @@
+//! Pictures with shared paths have the same mean as those without.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use umber_math::{DAffine3, DVec3, Rgb, Vec3};
+use umber_scene::{
+    Camera, CameraId, Light, LightId, LightKind, Material, MaterialId, MeshId, MeshPatch, PreviewSurface, SceneEdit,
+    SceneStore, SubdivisionScheme, Topology,
+};
+
+use super::LARGEST_GROUP;
+use crate::compile::Compiler;
+use crate::film::Film;
+use crate::integrator::{Goal, Stop, Target, render_tile};
+use crate::scene::RenderScene;
+use crate::{Aov, FilmDesc};
+
+/// Pixels across, more than one tile.
+const SIZE: usize = 24;
+const SAMPLES: u32 = 8;
+const SEEDS: u32 = 32;
+
+fn cube(half: f64, middle: DVec3, material: &str) -> MeshPatch {
+    let corner = |i: i32| Vec3::new((i >> 2 & 1) as f32, (i >> 1 & 1) as f32, (i & 1) as f32) * 2.0 - Vec3::ONE;
+    let topology = Topology {
+        scheme: SubdivisionScheme::None,
+        face_vertex_counts: [4; 6].into(),
+        face_vertex_indices: [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3].into(),
+        ..Topology::default()
+    };
+    MeshPatch {
+        topology: Some(Arc::new(topology)),
+        points: Some((0..8).map(corner).collect()),
+        transform: Some(DAffine3::from_scale_rotation_translation(
+            DVec3::splat(half),
+            glam::DQuat::from_rotation_y(half),
+            middle,
+        )),
+        visible: Some(true),
+        material: Some(Some(MaterialId::new(material))),
+        ..MeshPatch::default()
+    }
+}
+
+/// A box of one material in a room of another, with a lamp in it and a glowing thing; the camera is in there, too.
+fn room(walls: PreviewSurface, thing: PreviewSurface) -> RenderScene {
+    let mut store = SceneStore::default();
+    let camera = Camera {
+        world_from_camera: DAffine3::from_translation(DVec3::new(0.0, 0.0, 1.2)),
+        aperture: umber_math::DVec2::ONE,
+        focal_length: 1.0,
+        clipping_range: [0.01, 1e6],
+        ..Camera::default()
+    };
+    let lamp = Light { intensity: 20.0, ..Light::new(LightKind::Sphere { radius: 0.2, treat_as_point: false }) };
+    let lamp = Light { world_from_light: DAffine3::from_translation(DVec3::new(0.6, 0.7, -0.2)), ..lamp };
+    let glow = PreviewSurface { emissive_color: Rgb::splat(2.0), ..walls.clone() };
+    for edit in [
+        SceneEdit::Camera(CameraId::new("/camera"), camera),
+        SceneEdit::RenderCamera(CameraId::new("/camera")),
+        SceneEdit::Material(MaterialId::new("/walls"), Material::Preview(walls)),
+        SceneEdit::Material(MaterialId::new("/thing"), Material::Preview(thing)),
+        SceneEdit::Material(MaterialId::new("/glow"), Material::Preview(glow)),
+        SceneEdit::Mesh(MeshId::new("/room"), Box::new(cube(1.5, DVec3::ZERO, "/walls"))),
+        SceneEdit::Mesh(MeshId::new("/box"), Box::new(cube(0.45, DVec3::new(-0.3, -0.5, -0.4), "/thing"))),
+        SceneEdit::Mesh(MeshId::new("/ember"), Box::new(cube(0.1, DVec3::new(0.5, -0.8, -0.3), "/glow"))),
+        SceneEdit::Light(LightId::new("/lamp"), lamp),
+    ] {
+        store.apply(edit).unwrap();
+    }
+    let (dirty, film) = (store.take_dirty(), FilmDesc::new(SIZE, SIZE, &[Aov::Color]));
+    let scene = Compiler::default().compile(&store, dirty, &film, &AtomicBool::new(false), &mut |_| ());
+    scene.unwrap_or_else(|_| panic!("no scene"))
+}
+
+fn matt(albedo: f32) -> PreviewSurface {
+    PreviewSurface {
+        diffuse_color: Rgb::splat(albedo),
+        use_specular_workflow: true,
+        specular_color: Rgb::BLACK,
+        ..PreviewSurface::default()
+    }
+}
+
+/// Luminance of each pixel, for one seed.
+fn picture(scene: &mut RenderScene, group: usize, seed: u32, target: Target<'_>) -> Vec<f64> {
+    (scene.path_group, scene.settings.seed) = (group, seed);
+    scene.settings.enable_interactive = false;
+    let film = Film::new(FilmDesc::new(SIZE, SIZE, &[Aov::Color]));
+    let (goal, cancel) = (Goal { samples: SAMPLES, stride: 1, target }, AtomicBool::new(false));
+    let stop = Stop { cancel: &cancel, deadline: None };
+    let mut pixels = vec![0.0; SIZE * SIZE];
+    for index in 0..film.tile_count() {
+        render_tile(scene, &film, index, &goal, &stop);
+        let tile = film.tile(index);
+        for i in 0..tile.rect.width * tile.rect.height {
+            let [x, y] = tile.rect.place(i);
+            pixels[y * SIZE + x] = tile
+                .sums(i)
+                .iter()
+                .filter(|sum| sum.samples > 0)
+                .map(|sum| sum.radiance().dot(umber_math::DVec3::ONE))
+                .sum();
+        }
+    }
+    pixels
+}
+
+/// Mean and variance over seeds, of each pixel and of the whole picture.
+fn moments(pictures: &[Vec<f64>]) -> (Vec<[f64; 2]>, [f64; 2]) {
+    let of = |values: &[f64]| {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        [mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)]
+    };
+    let of_pixel = |i| of(&pictures.iter().map(|p: &Vec<f64>| p[i]).collect::<Vec<_>>());
+    let whole: Vec<f64> = pictures.iter().map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
+    ((0..SIZE * SIZE).map(of_pixel).collect(), of(&whole))
+}
+
+/// The variance of shared paths over that of paths alone, the mean over pixels; the means agree.
+fn ratio_of_variances(mut scene: RenderScene, target: Target<'_>) -> f64 {
+    let mut pictures =
+        |group, first| (first..first + SEEDS).map(|seed| picture(&mut scene, group, seed, target)).collect::<Vec<_>>();
+    let (alone, alone_whole) = moments(&pictures(1, 1));
+    let (shared, shared_whole) = moments(&pictures(LARGEST_GROUP, 1001));
+    let z = |[a, va]: [f64; 2], [b, vb]: [f64; 2]| (a - b) / ((va + vb) / f64::from(SEEDS)).sqrt();
+    let whole = z(alone_whole, shared_whole);
+    assert!(whole.abs() < 4.0, "{alone_whole:?} and {shared_whole:?}: z = {whole}");
+    // pixel by pixel, too: what one loses another must not gain
+    // where the lamp is seen nothing varies
+    let noisy = alone.iter().zip(&shared).filter(|(a, b)| a[1] + b[1] > 0.0);
+    let squares: Vec<f64> = noisy.map(|(a, b)| z(*a, *b).powi(2)).collect();
+    let mean_square = squares.iter().sum::<f64>() / squares.len() as f64;
+    assert!(mean_square < 1.3, "z² of pixels: {mean_square}");
+    // relative to brightness, as the edges of the lamp would drown all else
+    let sum = |pixels: &[[f64; 2]]| pixels.iter().map(|[mean, variance]| variance / (mean * mean)).sum::<f64>();
+    let ratio = sum(&shared) / sum(&alone);
+    println!("z {whole}, z² of pixels {mean_square}, ratio of variances {ratio}");
+    ratio
+}
+
+#[test]
+fn a_matt_room_has_the_same_mean_and_much_less_variance() {
+    assert!(ratio_of_variances(room(matt(0.7), matt(0.4)), Target::Even) < 0.35);
+}
+
+#[test]
+fn halves_of_an_adaptive_picture_share_as_well() {
+    assert!(ratio_of_variances(room(matt(0.7), matt(0.4)), Target::Pilot) < 0.45);
+}
+
+#[test]
+fn shiny_things_have_the_same_mean() {
+    let shiny = |roughness| PreviewSurface { roughness, ..matt(0.5) };
+    let coated =
+        PreviewSurface { clearcoat: 1.0, clearcoat_roughness: 0.0, use_specular_workflow: false, ..shiny(0.6) };
+    let metal = PreviewSurface { metallic: 1.0, use_specular_workflow: false, ..shiny(0.35) };
+    assert!(ratio_of_variances(room(coated, metal), Target::Even) < 1.0);
+}
+
+#[test]
+fn things_that_are_partly_there_have_the_same_mean() {
+    let gauze = PreviewSurface { opacity: 0.5, ..matt(0.6) };
+    assert!(ratio_of_variances(room(matt(0.7), gauze), Target::Even) < 0.5);
+}
