@@ -93,9 +93,9 @@ impl Goal<'_> {
 /// When to end early.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<'a> {
-    /// Read before each sample.
+    /// Read before each sample, or those of a group.
     pub cancel: &'a AtomicBool,
-    /// Read before each pixel.
+    /// Read before each pixel, or group.
     pub deadline: Option<Instant>,
 }
 

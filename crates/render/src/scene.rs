@@ -54,7 +54,7 @@ pub(crate) const MAX_PASSES: u32 = 1024;
 
 impl RenderScene {
     /// The BSDF at a vertex of a path, 0 for the first behind the camera, led to where caustics there come from.
-    #[inline]
+    #[inline(always)]
     pub fn guided(&self, bsdf: Bsdf, point: Point3, bounce: u32) -> Guided<'_> {
         let places = self
             .caustics
@@ -76,6 +76,7 @@ impl RenderScene {
     }
 
     /// The nearest surface that is there and `seen`.
+    #[inline(always)]
     fn first_hit(
         &self,
         mut ray: Ray,
@@ -107,6 +108,7 @@ impl RenderScene {
     }
 
     /// How much of the light passes along a ray: 0 or 1, or between where surfaces are partly there.
+    #[inline]
     pub fn transmittance(&self, mut ray: Ray, rays: &mut u64) -> f32 {
         *rays += 1;
         if !self.partly_present {

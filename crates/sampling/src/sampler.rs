@@ -64,7 +64,7 @@ impl Sampler {
     }
 
     /// The next number in [0, 1). Takes one dimension set.
-    #[inline]
+    #[inline(always)]
     pub fn next_1d(&mut self) -> f32 {
         let (set, seed) = self.next_set();
         match self.first {
@@ -74,7 +74,7 @@ impl Sampler {
     }
 
     /// The next point in [0, 1)². Takes one dimension set.
-    #[inline]
+    #[inline(always)]
     pub fn next_2d(&mut self) -> Vec2 {
         let (set, seed) = self.next_set();
         match self.first {

@@ -98,7 +98,7 @@ impl<'a> Guided<'a> {
         Self { bsdf, point, places }
     }
     /// As [`Bsdf::evaluate`], with the density of [`Guided::sample`].
-    #[inline]
+    #[inline(always)]
     pub fn evaluate(&self, wo: Vector3, wi: Vector3) -> BsdfEval {
         let mut value = self.bsdf.evaluate(wo, wi);
         if let Some(places) = self.places {
@@ -107,7 +107,7 @@ impl<'a> Guided<'a> {
         value
     }
     /// As [`Bsdf::sample`]; `aim` gives a number in [0, 1) that decides whether it aims, and where.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vector3, aim: impl FnOnce() -> f32, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let Some(places) = self.places else { return self.bsdf.sample(wo, u_lobe, u) };
         let aim = aim() / SHARE;

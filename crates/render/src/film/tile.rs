@@ -22,6 +22,7 @@ impl TileRect {
     pub fn place(&self, i: usize) -> [usize; 2] {
         [self.x + i % self.width, self.y + i / self.width]
     }
+
     /// The number of the pixel at a column and a row.
     #[inline]
     pub fn index(&self, [x, y]: [usize; 2]) -> usize {

@@ -3,7 +3,7 @@
 use umber_bvh::Hit;
 use umber_math::{Rgb, Vector3};
 use umber_sampling::power_heuristic;
-use umber_shading::{Light, Receiver};
+use umber_shading::Receiver;
 
 use crate::light_set::ShapeHit;
 use crate::linking::Links;
@@ -84,20 +84,25 @@ pub(super) enum Met {
 
 impl Met {
     /// Radiance of what shines by itself, against a ray of this direction.
-    #[inline]
+    #[inline(always)]
     pub fn radiance(&self, scene: &RenderScene, direction: Vector3, origin: Origin) -> Rgb {
         match self {
             Self::Light(hit) => from_shape(scene, hit, direction, origin),
             Self::Surface(hit, surface) => from_surface(scene, hit, surface, direction, origin),
-            Self::Nothing => lights_from_infinity(scene, direction, origin).fold(Rgb::BLACK, |sum, light| sum + light),
+            Self::Nothing => from_infinity(scene, direction, origin).0,
         }
     }
-    /// Whether a ray from the camera in this direction meets anything that is seen.
-    pub fn is_seen(&self, scene: &RenderScene, direction: Vector3) -> bool {
-        !matches!(self, Self::Nothing) || lights_from_infinity(scene, direction, Origin::Camera).next().is_some()
+    /// The same against a ray from the camera, and whether that sees anything.
+    #[inline]
+    pub fn seen(&self, scene: &RenderScene, direction: Vector3) -> (Rgb, bool) {
+        match self {
+            Self::Nothing => from_infinity(scene, direction, Origin::Camera),
+            _ => (self.radiance(scene, direction, Origin::Camera), true),
+        }
     }
 }
 
+#[inline]
 fn from_shape(scene: &RenderScene, hit: &ShapeHit, wi: Vector3, origin: Origin) -> Rgb {
     let light = &scene.lights.lights()[hit.light as usize];
     let density = |r: &Receiver| light.pdf_solid_angle(r.point, wi);
@@ -105,6 +110,7 @@ fn from_shape(scene: &RenderScene, hit: &ShapeHit, wi: Vector3, origin: Origin) 
 }
 
 /// Radiance that geometry emits against a ray.
+#[inline]
 fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi: Vector3, origin: Origin) -> Rgb {
     let Some(emitter) = scene.lights.emitter_at(hit) else { return surface.emission };
     let as_light = matches!(origin, Origin::Bsdf { .. });
@@ -120,14 +126,22 @@ fn from_surface(scene: &RenderScene, hit: &Hit, surface: &SurfaceInteraction, wi
     radiance * weight_of_found(scene, index, origin, |r| light.pdf_solid_angle(r, hit.triangle, wi))
 }
 
-/// Radiance of each light around the scene that has any.
-fn lights_from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> impl Iterator<Item = Rgb> {
-    let is_visible = move |light: &Light| {
-        !matches!(origin, Origin::Camera) || light.camera_visible() && scene.settings.dome_light_camera_visibility
-    };
-    scene.lights.infinite().iter().filter_map(move |&index| {
-        let light = &scene.lights.lights()[index as usize];
-        let radiance = is_visible(light).then(|| light.radiance_from_infinity(wi))??;
-        Some(radiance * weight_of_found(scene, index, origin, |r| light.pdf_solid_angle(r.point, wi)))
-    })
+/// Radiance of the lights around the scene, and whether there is any.
+#[inline]
+fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool) {
+    let mut sum = Rgb::BLACK;
+    let mut seen = false;
+    for &light in scene.lights.infinite() {
+        let of_light = &scene.lights.lights()[light as usize];
+        if matches!(origin, Origin::Camera)
+            && !(of_light.camera_visible() && scene.settings.dome_light_camera_visibility)
+        {
+            continue;
+        }
+        if let Some(radiance) = of_light.radiance_from_infinity(wi) {
+            sum += radiance * weight_of_found(scene, light, origin, |r| of_light.pdf_solid_angle(r.point, wi));
+            seen = true;
+        }
+    }
+    (sum, seen)
 }

@@ -109,10 +109,11 @@ impl<'a> Walk<'a> {
     }
 
     /// What of that a ray from the camera sees: radiance, and 1, or 0 where nothing is.
+    #[inline]
     pub fn seen(&self, met: &Met) -> (Rgb, f32) {
         let (scene, direction) = (self.scene, self.ray.direction);
-        let radiance = met.radiance(scene, direction, Origin::Camera);
-        (radiance, if met.is_seen(scene, direction) { 1.0 } else { 0.0 })
+        let (radiance, is_seen) = met.seen(scene, direction);
+        (radiance, if is_seen { 1.0 } else { 0.0 })
     }
 
     /// Where the path may go on from what it met.
@@ -198,12 +199,14 @@ fn share(part: Rgb, whole: Rgb) -> Rgb {
 }
 
 /// A surface as it asks for light, on the viewer's side.
+#[inline]
 pub(crate) fn receiver(surface: &SurfaceInteraction, wo: Vector3) -> Receiver {
     let at = &surface.at;
     Receiver { point: at.point, normal: at.normal.facing(wo), clearance: at.clearance }
 }
 
 /// From a surface to a point of a light.
+#[inline]
 pub(crate) fn shadow_ray(surface: &SurfaceInteraction, sample: &LightSample) -> Ray {
     // the light's own rounding error is relative to its distance
     Ray { t_max: sample.distance * (1.0 - 4.0 * f32::EPSILON), ..surface.at.spawn_ray(sample.wi) }

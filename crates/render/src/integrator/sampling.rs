@@ -149,13 +149,15 @@ impl<'a> Pass<'a> {
         })
     }
 
+    #[inline]
     fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, rays: u64, work: &mut TileWork) {
         samples.add(i, kept(self.scene, sample.radiance), sample.coverage, rays as u32);
         work.rays += rays;
         work.samples += 1;
     }
 
-    /// The number of a pixel within the whole view, so that a part of it has the same samples.
+    /// The number of a pixel within the whole view, so that a part of it has the same samples; but for those that are
+    /// shared, as groups end with the film.
     fn in_view(&self, [x, y]: [usize; 2]) -> [u32; 2] {
         [(x as i32 + self.view_min[0]) as u32, (y as i32 + self.view_min[1]) as u32]
     }
@@ -171,6 +173,7 @@ impl<'a> Pass<'a> {
     }
 
     /// Takes sample number `number` of a pixel.
+    #[inline]
     fn sample(&self, place: [usize; 2], number: u32, rays: &mut u64) -> RadianceSample {
         let scene = self.scene;
         let sampler = || self.sampler(place, number);

@@ -128,9 +128,10 @@ impl Picture {
         let stop = self.stop(shared, started);
         let (scene, film) = (&self.scene, self.film.desc());
         let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
-        let rays = self.rays.get_mut();
-        let group = pool.install(|| reuse::best_group(scene, film, samples, &stop, rays));
+        let mut rays = 0;
+        let group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
         if !stop.now() {
+            *self.rays.get_mut() += rays;
             (self.scene.path_group, self.reuse_after) = (group, None);
             shared.update_stats(|s| s.path_group = group as u32);
         }

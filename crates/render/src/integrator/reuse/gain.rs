@@ -7,7 +7,7 @@ use umber_sampling::Sampler;
 
 use super::{LARGEST_GROUP, share, trace};
 use crate::film::{self, FilmDesc};
-use crate::integrator::{Stop, dimensions};
+use crate::integrator::{Stop, dimensions, sampling};
 use crate::scene::RenderScene;
 
 /// Sizes of groups that are tried: squares of pixels.
@@ -17,11 +17,11 @@ const BLOCK: usize = 4;
 /// Pictures that it takes of a block, independent of each other.
 const PICTURES: usize = 2;
 /// Most blocks that try.
-const MOST_BLOCKS: u64 = 512;
+const MOST_BLOCKS: u64 = 256;
 /// Less say nothing.
 const LEAST_BLOCKS: u64 = 64;
 /// A trial may take this part of the picture's paths.
-const TRIAL: u64 = 64;
+const TRIAL: u64 = 128;
 /// How much better it has to be to share: noise is less even then.
 const CLEARLY: f64 = 0.95;
 /// What a ray that joins two vertices costs, over one of a path with all that is computed there; measured, it is .6 to
@@ -73,7 +73,6 @@ impl Trial {
         let place = Sampler::new(seed, [block, 0], 0).next_2d();
         let within = |u: f32, size: usize| (u * (size - BLOCK + 1) as f32) as usize;
         let corner = [within(place.x, film.width), within(place.y, film.height)];
-        // Of each size and pixel
         let pictures: [_; PICTURES] =
             std::array::from_fn(|picture| picture_of(scene, seed, corner, block, picture as u32));
         let [(a, rays_a), (b, rays_b)] = &pictures;
@@ -113,7 +112,7 @@ fn picture_of(
         paths.iter_mut().zip(&own).for_each(|(path, own)| (path.radiance, path.rays) = *own);
         paths.chunks_mut(SIZES[size]).for_each(|group| share(scene, group));
         rays[size] = paths.iter().map(|path| path.rays).sum();
-        paths.iter().map(|path| super::super::sampling::kept(scene, path.radiance).0.as_dvec3()).collect()
+        paths.iter().map(|path| sampling::kept(scene, path.radiance).0.as_dvec3()).collect()
     });
     (radiance, rays)
 }

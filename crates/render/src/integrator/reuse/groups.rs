@@ -14,7 +14,7 @@ const RUN: u32 = 4;
 pub(in crate::integrator) struct Groups {
     size: usize,
     seed: u64,
-    /// Which tile it is, by a pixel of it.
+    /// Which tile it is, by its first pixel.
     place: [u32; 2],
 }
 
@@ -48,10 +48,10 @@ fn split(
         range.1 - range.0
     };
     let axis = usize::from(extent(1) > extent(0) || extent(1) == extent(0) && sampler.next_1d() < 0.5);
-    // between three and five eighths
-    let (least, most) = ((3 * groups).div_ceil(8).max(1), (5 * groups / 8).max(1));
-    let choices = (most - least.min(most) + 1) as f32;
-    let before = least.min(most) + (sampler.next_1d() * choices) as usize;
+    // about between three and five eighths
+    let least = (3 * groups / 8).max(1);
+    let most = groups - least;
+    let before = least + (sampler.next_1d() * (most - least + 1) as f32) as usize;
     let cut = pixels.len() * before / groups;
     pixels.select_nth_unstable_by_key(cut, |p| (p[axis], p[1 - axis]));
     let (left, right) = pixels.split_at_mut(cut);

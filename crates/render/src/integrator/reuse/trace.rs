@@ -8,6 +8,9 @@ use crate::integrator::found::{Met, Origin};
 use crate::integrator::path::{self, Arriving, Scattering, Vertex, Walk};
 use crate::scene::RenderScene;
 
+/// Second vertices with no lobe as wide as this are not shared: what they reflect to one pixel, hardly another sees.
+const LEAST_ALPHA: f32 = 0.05;
+
 /// A path from the camera.
 pub(in crate::integrator) struct Path<'a> {
     /// Radiance so far: what cannot be shared, and then the rest.
@@ -92,6 +95,3 @@ impl<'a> Path<'a> {
         self.second = Some(Second { vertex: second, light, onwards });
     }
 }
-
-/// Second vertices with no lobe as wide as this are not shared: what they reflect to one pixel, hardly another sees.
-const LEAST_ALPHA: f32 = 0.05;
