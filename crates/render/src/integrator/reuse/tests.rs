@@ -45,6 +45,11 @@ fn cube(half: f64, middle: DVec3, material: &str) -> MeshPatch {
 
 /// A box of one material in a room of another, with a lamp in it and a glowing thing; the camera is in there, too.
 fn room(walls: PreviewSurface, thing: PreviewSurface) -> RenderScene {
+    room_with(walls, thing, None)
+}
+
+/// The same with one thing more.
+fn room_with(walls: PreviewSurface, thing: PreviewSurface, more: Option<MeshPatch>) -> RenderScene {
     let mut store = SceneStore::default();
     let camera = Camera {
         world_from_camera: DAffine3::from_translation(DVec3::new(0.0, 0.0, 1.2)),
@@ -68,6 +73,9 @@ fn room(walls: PreviewSurface, thing: PreviewSurface) -> RenderScene {
         SceneEdit::Light(LightId::new("/lamp"), lamp),
     ] {
         store.apply(edit).unwrap();
+    }
+    if let Some(patch) = more {
+        store.apply(SceneEdit::Mesh(MeshId::new("/more"), Box::new(patch))).unwrap();
     }
     let (dirty, film) = (store.take_dirty(), FilmDesc::new(SIZE, SIZE, &[Aov::Color]));
     let scene = Compiler::default().compile(&store, dirty, &film, &AtomicBool::new(false), &mut |_| ());
@@ -107,36 +115,46 @@ fn picture(scene: &mut RenderScene, group: usize, seed: u32, target: Target<'_>)
     pixels
 }
 
-/// Mean and variance over seeds, of each pixel and of the whole picture.
-fn moments(pictures: &[Vec<f64>]) -> (Vec<[f64; 2]>, [f64; 2]) {
-    let of = |values: &[f64]| {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        [mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)]
-    };
-    let of_pixel = |i| of(&pictures.iter().map(|p: &Vec<f64>| p[i]).collect::<Vec<_>>());
-    let whole: Vec<f64> = pictures.iter().map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
-    ((0..SIZE * SIZE).map(of_pixel).collect(), of(&whole))
+/// Mean and variance of values.
+fn moments(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    [mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)]
+}
+
+/// The difference of two means over its standard error, where a sum of some pixels is known for each seed.
+fn z(alone: &[Vec<f64>], shared: &[Vec<f64>], pixels: &[usize]) -> f64 {
+    let of = |pictures: &[Vec<f64>]| moments(pictures.iter().map(|p| pixels.iter().map(|i| p[*i]).sum::<f64>()));
+    let ([a, va], [b, vb]) = (of(alone), of(shared));
+    // where the lamp is seen nothing varies
+    if va + vb > 0.0 { (a - b) / ((va + vb) / f64::from(SEEDS)).sqrt() } else { 0.0 }
 }
 
 /// The variance of shared paths over that of paths alone, the mean over pixels; the means agree.
 fn ratio_of_variances(mut scene: RenderScene, target: Target<'_>) -> f64 {
     let mut pictures =
         |group, first| (first..first + SEEDS).map(|seed| picture(&mut scene, group, seed, target)).collect::<Vec<_>>();
-    let (alone, alone_whole) = moments(&pictures(1, 1));
-    let (shared, shared_whole) = moments(&pictures(LARGEST_GROUP, 1001));
-    let z = |[a, va]: [f64; 2], [b, vb]: [f64; 2]| (a - b) / ((va + vb) / f64::from(SEEDS)).sqrt();
-    let whole = z(alone_whole, shared_whole);
-    assert!(whole.abs() < 4.0, "{alone_whole:?} and {shared_whole:?}: z = {whole}");
-    // pixel by pixel, too: what one loses another must not gain
-    // where the lamp is seen nothing varies
-    let noisy = alone.iter().zip(&shared).filter(|(a, b)| a[1] + b[1] > 0.0);
-    let squares: Vec<f64> = noisy.map(|(a, b)| z(*a, *b).powi(2)).collect();
-    let mean_square = squares.iter().sum::<f64>() / squares.len() as f64;
+    let (alone, shared) = (pictures(1, 5001), pictures(LARGEST_GROUP, 9001));
+    let whole = z(&alone, &shared, &(0..SIZE * SIZE).collect::<Vec<_>>());
+    assert!(whole.abs() < 4.0, "the whole: z = {whole}");
+    // what one place loses another must not gain
+    let squares: f64 = (0..SIZE * SIZE).map(|i| z(&alone, &shared, &[i]).powi(2)).sum();
+    let mean_square = squares / (SIZE * SIZE) as f64;
     assert!(mean_square < 1.3, "z² of pixels: {mean_square}");
+    for line in 0..SIZE {
+        let column = z(&alone, &shared, &(0..SIZE).map(|y| y * SIZE + line).collect::<Vec<_>>());
+        let row = z(&alone, &shared, &(0..SIZE).map(|x| line * SIZE + x).collect::<Vec<_>>());
+        assert!(column.abs() < 4.5 && row.abs() < 4.5, "column and row {line}: {column} and {row}");
+    }
     // relative to brightness, as the edges of the lamp would drown all else
-    let sum = |pixels: &[[f64; 2]]| pixels.iter().map(|[mean, variance]| variance / (mean * mean)).sum::<f64>();
-    let ratio = sum(&shared) / sum(&alone);
+    let variance = |pictures: &[Vec<f64>]| {
+        let relative = |i: usize| {
+            let [mean, variance] = moments(pictures.iter().map(|p| p[i]));
+            variance / (mean * mean)
+        };
+        (0..SIZE * SIZE).map(relative).sum::<f64>()
+    };
+    let ratio = variance(&shared) / variance(&alone);
     println!("z {whole}, z² of pixels {mean_square}, ratio of variances {ratio}");
     ratio
 }
@@ -158,6 +176,28 @@ fn shiny_things_have_the_same_mean() {
         PreviewSurface { clearcoat: 1.0, clearcoat_roughness: 0.0, use_specular_workflow: false, ..shiny(0.6) };
     let metal = PreviewSurface { metallic: 1.0, use_specular_workflow: false, ..shiny(0.35) };
     assert!(ratio_of_variances(room(coated, metal), Target::Even) < 1.0);
+}
+
+/// Groups that straddle the screen have floor on both sides of it, of which only one is lit.
+#[test]
+fn the_sides_of_a_thin_screen_are_told_apart() {
+    let screen = |corners: [[f32; 3]; 4]| {
+        let topology = Topology {
+            scheme: SubdivisionScheme::None,
+            face_vertex_counts: [4].into(),
+            face_vertex_indices: [0, 1, 2, 3].into(),
+            ..Topology::default()
+        };
+        MeshPatch {
+            topology: Some(Arc::new(topology)),
+            points: Some(corners.map(Vec3::from).into_iter().collect()),
+            ..cube(1.0, DVec3::ZERO, "/walls")
+        }
+    };
+    // towards the camera, from the floor up, seen edge on
+    let upright = screen([[0.0, -1.5, -1.5], [0.0, -1.5, 1.0], [0.0, 0.9, 1.0], [0.0, 0.9, -1.5]]);
+    let upright = MeshPatch { transform: Some(DAffine3::IDENTITY), ..upright };
+    assert!(ratio_of_variances(room_with(matt(0.7), matt(0.7), Some(upright)), Target::Even) < 0.6);
 }
 
 #[test]
