@@ -30,9 +30,9 @@ use super::sampling;
 use crate::light_set::LightSet;
 
 pub(crate) use gain::best_group;
-pub(super) use groups::Groups;
+pub(super) use groups::{Groups, runs};
 pub(super) use share::share;
-pub(super) use trace::trace;
+pub(super) use trace::{Path, trace};
 
 /// Most pixels of a group.
 pub(super) const LARGEST_GROUP: usize = 16;

@@ -114,7 +114,7 @@ impl<'a> Pass<'a> {
         true
     }
 
-    /// Brings all pixels to one count after the other, groups sharing their paths; false where stopped.
+    /// Brings groups of pixels, which share their paths, to one count after the other; false where stopped.
     fn sample_in_groups(&self, samples: &mut Samples, work: &mut TileWork) -> bool {
         let (count, rect) = (samples.sums.len(), self.rect);
         let most = (0..count).map(|i| self.count(rect.place(i))).max().unwrap_or(0);
@@ -122,31 +122,45 @@ impl<'a> Pass<'a> {
         let groups = Groups::new(self.scene.path_group, self.sequence.seed, self.in_view([rect.x, rect.y]));
         let mut pixels = Vec::with_capacity(count);
         let mut paths = Vec::with_capacity(reuse::LARGEST_GROUP);
-        (least..most).all(|number| {
+        reuse::runs(least..most).all(|run| {
             pixels.clear();
-            pixels.extend((0..count).map(|i| rect.place(i)).filter(|place| self.count(*place) > number));
-            groups.each(&mut pixels, number, &mut |group| {
-                // a group has its samples all together
-                if samples.sums[rect.index(group[0])].samples > number {
-                    return true;
-                }
-                if self.stop.now() {
-                    return false;
-                }
-                paths.clear();
-                paths.extend(group.iter().map(|&place| {
-                    let mut sampler = self.sampler(place, number);
-                    let ray = self.jittered_ray(place, &mut sampler);
-                    reuse::trace(self.scene, ray, &mut sampler)
-                }));
-                reuse::share(self.scene, &mut paths);
-                for (path, &place) in paths.iter().zip(group) {
-                    let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
-                    self.add(samples, rect.index(place), sample, path.rays, work);
-                }
-                true
+            pixels.extend((0..count).map(|i| rect.place(i)).filter(|place| self.count(*place) > run.start));
+            groups.each(&mut pixels, run.start, &mut |group| {
+                run.clone().all(|number| self.sample_group(group, number, samples, &mut paths, work))
             })
         })
+    }
+
+    /// Takes sample number `number` of those pixels of a group that are to have it; false where stopped.
+    fn sample_group(
+        &self,
+        group: &[[usize; 2]],
+        number: u32,
+        samples: &mut Samples,
+        paths: &mut Vec<reuse::Path<'a>>,
+        work: &mut TileWork,
+    ) -> bool {
+        let members = || group.iter().filter(|place| self.count(**place) > number);
+        // they have their samples all together
+        let is_done = |place: &[usize; 2]| samples.sums[self.rect.index(*place)].samples > number;
+        if members().next().is_none_or(is_done) {
+            return true;
+        }
+        if self.stop.now() {
+            return false;
+        }
+        paths.clear();
+        paths.extend(members().map(|&place| {
+            let mut sampler = self.sampler(place, number);
+            let ray = self.jittered_ray(place, &mut sampler);
+            reuse::trace(self.scene, ray, &mut sampler)
+        }));
+        reuse::share(self.scene, paths);
+        for (path, &place) in paths.iter().zip(members()) {
+            let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
+            self.add(samples, self.rect.index(place), sample, path.rays, work);
+        }
+        true
     }
 
     #[inline]
