@@ -49,8 +49,12 @@ def blocks(image: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize(
     ("scene", "width", "tolerance", "shares"),
-    [("cornell", 256, 0.01, False), ("cornell", 256, 0.01, True), ("metal", 320, 0.02, False)]
-    + [("many_lights", 320, 0.02, False)],
+    [
+        ("cornell", 256, 0.01, False),
+        ("cornell", 256, 0.01, True),
+        ("metal", 320, 0.02, False),
+        ("many_lights", 320, 0.02, False),
+    ],
 )
 def test_agrees_with_mitsuba(scene: str, width: int, tolerance: float, shares: bool, tmp_path: Path) -> None:
     reference_file = SHARED / "reference/mitsuba" / f"{scene}.npy"
