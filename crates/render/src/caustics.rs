@@ -19,14 +19,9 @@ use crate::material::RenderMaterial;
 pub(crate) use aim::Guided;
 pub(crate) use map::CausticMap;
 
-/// Where somebody watches, or the time is limited, there are so many samples a pixel before the search.
-const SAMPLES_BEFORE: u32 = 8;
-
-/// After how many samples a pixel caustics are looked for; `None` where there can be none.
-pub(crate) fn are_looked_for_after(settings: &Settings, materials: &[RenderMaterial]) -> Option<u32> {
-    let are_possible = settings.integrator == Integrator::Path
+/// Whether there may be any.
+pub(crate) fn are_possible(settings: &Settings, materials: &[RenderMaterial]) -> bool {
+    settings.integrator == Integrator::Path
         && settings.max_bounces >= 2
-        && materials.iter().any(|material| material.lobes.is_some_and(|lobes| lobes.focuses()));
-    let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
-    are_possible.then_some(if may_end_early { SAMPLES_BEFORE } else { 0 })
+        && materials.iter().any(|material| material.lobes.is_some_and(|lobes| lobes.focuses()))
 }

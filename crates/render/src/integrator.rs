@@ -8,7 +8,7 @@ mod mirror;
 pub mod path;
 pub mod raster;
 pub(crate) mod reuse;
-mod sampling;
+mod tile;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -19,7 +19,7 @@ use umber_settings::{Integrator, Settings};
 use crate::adaptive::{self, Plan};
 use crate::scene::RenderScene;
 
-pub use sampling::render_tile;
+pub use tile::render_tile;
 
 /// The settings as the chosen integrator takes them.
 pub fn settings(given: &Settings) -> Settings {

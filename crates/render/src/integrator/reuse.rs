@@ -26,7 +26,7 @@ mod trace;
 
 use umber_settings::{Integrator, Settings};
 
-use super::sampling;
+use super::tile;
 use crate::light_set::LightSet;
 
 pub(crate) use gain::best_group;
@@ -36,19 +36,13 @@ pub(super) use trace::{Path, trace};
 
 /// Most pixels of a group.
 pub(super) const LARGEST_GROUP: usize = 16;
-/// Where somebody watches, or the time is limited, there are so many samples a pixel before any is shared.
-const SAMPLES_BEFORE: u32 = 8;
-
-/// After how many samples a pixel paths may be shared; `None` where they are not to be.
-pub(crate) fn is_possible_after(settings: &Settings, lights: &LightSet) -> Option<u32> {
-    let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
-    let samples = if may_end_early { SAMPLES_BEFORE } else { 0 };
+/// Whether paths may be shared.
+pub(crate) fn is_possible(settings: &Settings, lights: &LightSet) -> bool {
     // what a lobe gets of such a light is not what another one gets: it cannot be handed on
     let tells_lobes_apart = |light: &umber_shading::Light| light.diffuse() != light.specular();
-    let is_possible = settings.path_reuse
+    settings.path_reuse
         && settings.integrator == Integrator::Path
         && settings.max_bounces >= 2
-        && (may_end_early || !sampling::spreads_blue_noise(settings))
-        && !lights.lights().iter().any(tells_lobes_apart);
-    is_possible.then_some(samples)
+        && settings.converged_samples_per_pixel >= tile::MANY_SAMPLES
+        && !lights.lights().iter().any(tells_lobes_apart)
 }

@@ -19,6 +19,9 @@ const FINAL_PASS: u32 = 16;
 /// The same where pixels get different counts, and few of them all.
 const PLANNED_PASS: u32 = 64;
 
+/// Where somebody watches, or the time is limited, so many samples a pixel are shown before searches and trials.
+const SAMPLES_BEFORE: u32 = 8;
+
 /// What has samples, and how many.
 pub(super) struct Picture {
     epoch: u64,
@@ -31,10 +34,8 @@ pub(super) struct Picture {
     done: u32,
     /// Samples of each pixel, once the pilot has decided about them.
     plan: Option<Plan>,
-    /// After how many samples caustics are looked for, as long as they were not.
-    caustics_after: Option<u32>,
-    /// After how many it is decided how many pixels share paths, as long as it was not.
-    reuse_after: Option<u32>,
+    /// Whether it is decided how the samples to come are taken.
+    is_prepared: bool,
     seconds: f64,
     rays: AtomicU64,
     samples: AtomicU64,
@@ -53,22 +54,8 @@ impl Picture {
     pub fn new(epoch: u64, scene: RenderScene, film: Arc<Film>) -> Self {
         let order = film.tile_order();
         let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
-        let caustics_after = caustics::are_looked_for_after(&scene.settings, &scene.materials);
-        let reuse_after = reuse::is_possible_after(&scene.settings, &scene.lights);
-        Self {
-            epoch,
-            scene,
-            film,
-            order,
-            coarse: 0,
-            done: 0,
-            plan: None,
-            caustics_after,
-            reuse_after,
-            seconds: 0.0,
-            rays,
-            samples,
-        }
+        let is_prepared = false;
+        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, is_prepared, seconds: 0.0, rays, samples }
     }
     /// The restart that it belongs to.
     pub fn epoch(&self) -> u64 {
@@ -79,12 +66,8 @@ impl Picture {
     pub fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         while self.film.tile_count() > 0 {
             let Some((samples, stride)) = self.next_pass() else { break };
-            if self.caustics_after.is_some_and(|samples| self.done >= samples) {
-                self.look_for_caustics(shared, pool);
-            }
-            // paths are judged as they will be: led
-            if self.caustics_after.is_none() && self.reuse_after.is_some_and(|samples| self.done >= samples) {
-                self.decide_about_reuse(shared, pool);
+            if !self.is_prepared && self.done >= self.samples_before() {
+                self.prepare(shared, pool);
             }
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
@@ -108,34 +91,38 @@ impl Picture {
         true
     }
 
-    /// Leads the samples to come to where caustics come from; nothing is led where it was stopped.
-    fn look_for_caustics(&mut self, shared: &Shared, pool: &ThreadPool) {
+    /// Decides how the samples to come are taken: where they are led to find caustics, and how many pixels share
+    /// their paths, which are judged as they are led. All is left as it was where it was stopped.
+    fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
-        let (scene, film) = (&self.scene, self.film.desc());
-        let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
-        let rays = self.rays.get_mut();
-        let map = pool.install(|| CausticMap::new(scene, film, samples, &stop, rays));
-        if !stop.now() {
-            (self.scene.caustics, self.caustics_after) = (map, None);
+        let samples = self.scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
+        let (scene, film) = (&mut self.scene, self.film.desc());
+        let mut rays = 0;
+        if caustics::are_possible(&scene.settings, &scene.materials) {
+            scene.caustics = pool.install(|| CausticMap::new(scene, film, samples, &stop, &mut rays));
+        }
+        if reuse::is_possible(&scene.settings, &scene.lights) {
+            scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
+        }
+        if stop.now() {
+            (scene.caustics, scene.path_group) = (None, 1);
+        } else {
+            self.is_prepared = true;
+            *self.rays.get_mut() += rays;
+            shared.update_stats(|s| s.path_group = scene.path_group as u32);
         }
         self.seconds += started.elapsed().as_secs_f64();
     }
 
-    /// Decides how many pixels share the paths of samples to come; as before where it was stopped.
-    fn decide_about_reuse(&mut self, shared: &Shared, pool: &ThreadPool) {
-        let started = Instant::now();
-        let stop = self.stop(shared, started);
-        let (scene, film) = (&self.scene, self.film.desc());
-        let samples = scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
-        let mut rays = 0;
-        let group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
-        if !stop.now() {
-            *self.rays.get_mut() += rays;
-            (self.scene.path_group, self.reuse_after) = (group, None);
-            shared.update_stats(|s| s.path_group = group as u32);
-        }
-        self.seconds += started.elapsed().as_secs_f64();
+    /// Samples a pixel that are taken before it is decided how the others are.
+    fn samples_before(&self) -> u32 {
+        if self.may_end_early() { SAMPLES_BEFORE } else { 0 }
+    }
+
+    /// There may be an end at any time, or somebody who watches.
+    fn may_end_early(&self) -> bool {
+        self.scene.settings.enable_interactive || self.scene.settings.time_limit > 0.0
     }
 
     /// When to end early what began at `started`.
@@ -161,8 +148,7 @@ impl Picture {
     /// Samples a pixel and stride of the next pass; `None` where the picture is finished.
     fn next_pass(&self) -> Option<(u32, usize)> {
         let settings = &self.scene.settings;
-        // there may be an end at any time, or somebody who watches
-        let small_steps = !self.is_rasterised() && (settings.enable_interactive || settings.time_limit > 0.0);
+        let small_steps = !self.is_rasterised() && self.may_end_early();
         if small_steps && self.done == 0 && self.coarse < COARSE.len() {
             return Some((1, COARSE[self.coarse]));
         }

@@ -4,7 +4,7 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_math::{Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
-use super::super::sampling::kept;
+use super::super::tile::kept;
 use super::bins::{Entry, Seen};
 use super::centers;
 use super::placement::Placement;

@@ -120,8 +120,8 @@ impl Second<'_> {
 }
 
 impl Onwards {
-    /// What the way onwards brings: irradiance over the density of the vertex and the direction. Lights that the ray meets
-    /// are weighed against light samples of all members.
+    /// What the way onwards brings: irradiance over the density of the vertex and the direction. Lights that the ray
+    /// meets are weighed against light samples of all members.
     fn over_density(&self, scene: &RenderScene, density: &Density) -> Rgb {
         if density.with_onwards <= 0.0 || density.with_onwards.is_nan() {
             return Rgb::BLACK;

@@ -1,6 +1,6 @@
 //! The samples of a tile's pixels.
 
-use umber_math::{Rgb, Vec2};
+use umber_math::{Ray, Rgb, Vec2};
 use umber_sampling::Sampler;
 use umber_settings::{Integrator, Settings};
 
@@ -44,13 +44,13 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
 }
 
 /// A final frame of at least so many samples a pixel takes every pixel's points by themselves.
-const MANY_SAMPLES: u32 = 16;
+pub(super) const MANY_SAMPLES: u32 = 16;
 
 /// Whether the error is to be blue noise over pixels: where pictures of few samples are seen.
 ///
 /// Both halves of an adaptive picture are then made so, each by its own seed: they count the same, and a half whose
 /// error is white noise would drown the other's. They stay independent, as their seeds are.
-pub(super) fn spreads_blue_noise(settings: &Settings) -> bool {
+fn spreads_blue_noise(settings: &Settings) -> bool {
     settings.enable_interactive || settings.converged_samples_per_pixel < MANY_SAMPLES
 }
 
@@ -178,10 +178,10 @@ impl<'a> Pass<'a> {
     fn sampler(&self, place: [usize; 2], number: u32) -> Sampler {
         self.sequence.sampler(self.in_view(place), number)
     }
-    fn ray(&self, [x, y]: [usize; 2], in_pixel: Vec2) -> umber_math::Ray {
+    fn ray(&self, [x, y]: [usize; 2], in_pixel: Vec2) -> Ray {
         self.scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel)
     }
-    fn jittered_ray(&self, place: [usize; 2], sampler: &mut Sampler) -> umber_math::Ray {
+    fn jittered_ray(&self, place: [usize; 2], sampler: &mut Sampler) -> Ray {
         sampler.start_dimension(dimensions::FILM);
         self.ray(place, sampler.next_2d())
     }
