@@ -13,6 +13,7 @@ mod placement;
 mod project;
 mod reach;
 mod shade;
+mod short;
 mod square;
 mod surface;
 #[cfg(test)]
@@ -25,7 +26,7 @@ use umber_settings::Settings;
 use super::Stop;
 use crate::film::{Film, TILE};
 use crate::scene::RenderScene;
-use bins::{Bins, Entry, MOST_ENTRIES};
+use bins::{Bins, Entry, MOST_ENTRIES, Piece};
 use draw::Drawer;
 use placement::Placement;
 use project::Grid;
@@ -60,10 +61,13 @@ pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
 
 /// What renders squares, one a thread.
 struct Worker<'a> {
+    scene: &'a RenderScene,
     grid: &'a Grid,
+    placements: &'a [Placement],
     square: Square,
     /// The square's, from front to back.
     entries: Vec<Entry>,
+    pieces: Vec<Piece<'a>>,
     drawer: Drawer<'a>,
     shader: Shader<'a>,
 }
@@ -71,7 +75,8 @@ struct Worker<'a> {
 impl<'a> Worker<'a> {
     fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let (drawer, shader) = (Drawer::new(scene, grid, placements), Shader::new(scene, grid, placements));
-        Self { grid, square: Square::new(), entries: Vec::new(), drawer, shader }
+        let (entries, pieces) = (Vec::new(), Vec::new());
+        Self { scene, grid, placements, square: Square::new(), entries, pieces, drawer, shader }
     }
 
     /// Draws and shades a square. How many pixels it has.
@@ -82,7 +87,9 @@ impl<'a> Worker<'a> {
         if !entries.is_empty() {
             self.entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
             self.entries.truncate(MOST_ENTRIES);
-            self.drawer.draw(&mut self.square, &self.entries);
+            self.pieces.clear();
+            self.pieces.extend(self.entries.iter().map(|entry| Piece::new(self.scene, self.placements, *entry)));
+            self.drawer.draw(&mut self.square, &self.pieces);
             self.shade(film);
         }
         self.square.size.into_iter().map(|pixels| pixels as u64).product()
@@ -96,7 +103,7 @@ impl<'a> Worker<'a> {
         for (x, y) in corners {
             let index = film.tile_at(x, y);
             let rect = film.tile(index).rect;
-            if !self.shader.look(&self.square, &self.entries, rect) {
+            if !self.shader.look(&self.square, &self.pieces, rect) {
                 continue;
             }
             // in the memory of an older picture, if there was one

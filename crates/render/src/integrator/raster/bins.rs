@@ -30,21 +30,31 @@ pub struct Entry {
     pub pixels: [[u8; 2]; 2],
 }
 
-impl Entry {
+/// An entry with its triangles at hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    /// Where it may be seen.
+    pub entry: Entry,
     /// Its triangles.
+    pub cluster: Cluster<'a>,
+}
+
+impl<'a> Piece<'a> {
+    /// That of an entry.
     #[inline]
-    pub fn cluster<'a>(&self, scene: &'a RenderScene, placements: &[Placement]) -> Cluster<'a> {
-        placements[self.placement as usize].mesh(scene).shape.clusters().get(self.cluster as usize)
+    pub fn new(scene: &'a RenderScene, placements: &[Placement], entry: Entry) -> Self {
+        let clusters = placements[entry.placement as usize].mesh(scene).shape.clusters();
+        Self { entry, cluster: clusters.get(entry.cluster as usize) }
     }
 }
 
 /// More entries of a square, 67 million, have no numbers left: of those in front that many are drawn.
 pub const MOST_ENTRIES: usize = NOTHING as usize / CLUSTER;
 
-/// Number of a triangle among those of a square's entries, of which there are [`MOST_ENTRIES`].
+/// Number of a triangle among those of a square's pieces, of which there are [`MOST_ENTRIES`].
 #[inline(always)]
-pub fn number(entry: usize, triangle: u32) -> u32 {
-    (entry * CLUSTER) as u32 + triangle
+pub fn number(piece: usize, triangle: u32) -> u32 {
+    (piece * CLUSTER) as u32 + triangle
 }
 
 /// What has a number.
@@ -61,13 +71,11 @@ pub struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    /// By its number among the entries of a square.
-    #[inline]
-    pub fn new(scene: &'a RenderScene, placements: &[Placement], entries: &[Entry], number: u32) -> Self {
-        let entry = entries[number as usize / CLUSTER];
-        let (cluster, at) = (entry.cluster(scene, placements), number as usize % CLUSTER);
-        let (triangle, corners) = (cluster.indices[at], cluster.corners[at]);
-        Self { placement: entry.placement, triangle, cluster, corners }
+    /// By its number among the pieces of a square.
+    #[inline(always)]
+    pub fn new(pieces: &[Piece<'a>], number: u32) -> Self {
+        let (Piece { entry, cluster }, at) = (pieces[number as usize / CLUSTER], number as usize % CLUSTER);
+        Self { placement: entry.placement, triangle: cluster.indices[at], cluster, corners: cluster.corners[at] }
     }
 
     /// Its corners, object space.

@@ -4,12 +4,13 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_bvh::Hit;
 use umber_math::Point3;
 
-use super::bins::{Entry, Seen, number};
+use super::bins::{Piece, Seen, number};
 use super::centers::barycentrics;
 use super::clip::clip;
 use super::fill::{Rules, Triangle};
 use super::placement::Placement;
 use super::project::{Grid, Vertex, Vertices};
+use super::short::{BATCH, Batch, Short};
 use super::square::Square;
 use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
@@ -28,8 +29,12 @@ pub struct Drawer<'a> {
     arch: Arch,
     points: Points,
     /// Triangles of the cluster under way that may cover something, and what their boxes hold.
-    boxed: [(u32, [i32; 4]); CLUSTER],
+    boxed: [Boxed; CLUSTER],
+    batch: Batch,
 }
+
+/// Which triangle of a cluster, and first column and row whose middles its box holds, and the last ones, negative.
+type Boxed = (u32, [i32; 4]);
 
 /// Points of the cluster under way, on the grid.
 struct Points {
@@ -52,18 +57,18 @@ impl<'a> Drawer<'a> {
     /// Draws placements.
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let points = Points { places: [[0; 4]; POINTS], nearness: [0.0; POINTS] };
-        Self { scene, grid, placements, arch: Arch::new(), points, boxed: [(0, [0; 4]); CLUSTER] }
+        Self { scene, grid, placements, arch: Arch::new(), points, boxed: [(0, [0; 4]); CLUSTER], batch: Batch::default() }
     }
 
-    /// Draws a square's entries, which come from front to back: those behind are hidden when it is their turn.
-    pub fn draw(&mut self, square: &mut Square, entries: &[Entry]) {
-        self.arch.dispatch(DrawSquare { drawer: self, square, entries });
+    /// Draws a square's pieces, which come from front to back: those behind are hidden when it is their turn.
+    pub fn draw(&mut self, square: &mut Square, pieces: &[Piece<'_>]) {
+        self.arch.dispatch(DrawSquare { drawer: self, square, pieces });
     }
 
     #[inline(always)]
-    fn draw_entry(&mut self, square: &mut Square, entries: &[Entry], at: usize) {
-        let placement = &self.placements[entries[at].placement as usize];
-        let cluster = entries[at].cluster(self.scene, self.placements);
+    fn draw_piece(&mut self, square: &mut Square, pieces: &[Piece<'_>], at: usize) {
+        let Piece { entry, cluster } = pieces[at];
+        let placement = &self.placements[entry.placement as usize];
         for (i, block) in cluster.points.iter().enumerate() {
             self.points.set(i * LANES, &self.grid.place_block(&placement.film_from_object, block));
         }
@@ -75,12 +80,10 @@ impl<'a> Drawer<'a> {
             self.boxed[count % CLUSTER] = (i as u32, pixels);
             count += usize::from(!is_empty(pixels));
         }
-        let draw =
-            Draw { scene: self.scene, grid: self.grid, placements: self.placements, placement, entries, cluster };
-        for (i, [x0, y0, x1, y1]) in &self.boxed[..count] {
-            let [a, b, c] = cluster.corners[*i as usize];
-            let corners = [self.points.vertex(a), self.points.vertex(b), self.points.vertex(c)];
-            draw.draw(square, corners, number(at, *i), [[*x0, -x1], [*y0, -y1]]);
+        let draw = Draw { scene: self.scene, grid: self.grid, placement, pieces, cluster };
+        for boxed in self.boxed[..count].chunks(BATCH) {
+            self.points.gather(&cluster, boxed, &mut self.batch);
+            draw.draw_batch(square, &self.batch, boxed, number(at, 0));
         }
     }
 }
@@ -89,7 +92,7 @@ impl<'a> Drawer<'a> {
 struct DrawSquare<'d, 'a> {
     drawer: &'d mut Drawer<'a>,
     square: &'d mut Square,
-    entries: &'d [Entry],
+    pieces: &'d [Piece<'d>],
 }
 
 impl WithSimd for DrawSquare<'_, '_> {
@@ -97,9 +100,9 @@ impl WithSimd for DrawSquare<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (i, entry) in self.entries.iter().enumerate() {
+        for (i, Piece { entry, .. }) in self.pieces.iter().enumerate() {
             if !self.square.hides(entry.pixels, entry.nearness) {
-                self.drawer.draw_entry(self.square, self.entries, i);
+                self.drawer.draw_piece(self.square, self.pieces, i);
             }
         }
     }
@@ -122,6 +125,14 @@ impl Points {
     fn vertex(&self, number: u8) -> Vertex {
         let [x, y, ..] = *self.place(number);
         Vertex { x, y, nearness: self.nearness[usize::from(number)] }
+    }
+    /// Puts triangles into a batch.
+    #[inline(always)]
+    fn gather(&self, cluster: &Cluster<'_>, boxed: &[Boxed], batch: &mut Batch) {
+        for (at, (i, [x0, y0, ..])) in boxed.iter().enumerate() {
+            let corners = cluster.corners[*i as usize].map(|point| self.vertex(point));
+            batch.set(at % BATCH, corners, [*x0, *y0]);
+        }
     }
 }
 
@@ -171,14 +182,33 @@ fn is_empty([x0, y0, x1, y1]: [i32; 4]) -> bool {
 struct Draw<'a> {
     scene: &'a RenderScene,
     grid: &'a Grid,
-    placements: &'a [Placement],
     placement: &'a Placement,
-    entries: &'a [Entry],
+    pieces: &'a [Piece<'a>],
     cluster: Cluster<'a>,
 }
 
 impl Draw<'_> {
+    /// Draws some together. `first`: number of the cluster's first triangle.
     #[inline(always)]
+    fn draw_batch(&self, square: &mut Square, batch: &Batch, boxed: &[Boxed], first: u32) {
+        let short = Short::new(self.grid, batch);
+        let [anticlockwise, clockwise] = self.placement.culled;
+        for (at, (i, [x0, y0, x1, y1])) in boxed.iter().enumerate() {
+            let (at, pixels, number) = (at % BATCH, [[*x0, -x1], [*y0, -y1]], first + i);
+            if self.placement.may_be_absent || !short.is_short(self.grid, at) {
+                self.draw(square, batch.corners(at), number, pixels);
+                continue;
+            }
+            let area = short.area(at);
+            let is_seen = (area > 0.0) & !anticlockwise | (area < 0.0) & !clockwise;
+            if is_seen {
+                short.fill(at, square, pixels, number, self);
+            }
+        }
+    }
+
+    /// Draws one by itself.
+    #[inline(never)]
     fn draw(&self, square: &mut Square, corners: [Vertex; 3], number: u32, pixels: [[i32; 2]; 2]) {
         let [a, b, c] = &corners;
         if a.is_off_grid() | b.is_off_grid() | c.is_off_grid() {
@@ -225,7 +255,7 @@ impl Draw<'_> {
 
 impl Rules for Draw<'_> {
     fn is_first(&self, number: u32, shown: u32) -> bool {
-        let rank = |number: u32| Seen::new(self.scene, self.placements, self.entries, number).rank();
+        let rank = |number: u32| Seen::new(self.pieces, number).rank();
         rank(number) < rank(shown)
     }
 }

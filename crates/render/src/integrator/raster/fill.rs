@@ -7,7 +7,7 @@
 //!
 //! Several pixels of a row are tested at once.
 
-use wide::{f32x4, i32x4};
+use wide::f32x8;
 
 use super::project::{Grid, Vertex};
 use super::square::{LANES, NOTHING, Pixels, Square};
@@ -57,16 +57,7 @@ impl Triangle {
         let [a, b, c] = self.corners;
         let first = [grid.center(pixels[0][0], grid.width), grid.center(pixels[1][0], grid.height)];
         let edges = [Edge::new(a, b, first), Edge::new(b, c, first), Edge::new(c, a, first)];
-        let mut longest = 0;
-        for edge in &edges {
-            longest = longest.max(edge.across.abs()).max(edge.up.abs());
-        }
-        let cover = Cover { grid, triangle: self, edges, pixels };
-        if longest <= grid.short {
-            cover.draw::<Short>(square, rules);
-        } else {
-            cover.draw::<Long>(square, rules);
-        }
+        Cover { grid, triangle: self, edges, pixels }.draw::<Long>(square, rules);
     }
 
     /// No less than its nearness anywhere, whatever the rounding.
@@ -113,35 +104,6 @@ trait Lanes: Copy {
     fn outside(&self) -> u32;
     /// Goes to the next row.
     fn step(&mut self);
-}
-
-/// Those of short edges, see [`Grid::short`].
-#[derive(Clone, Copy)]
-struct Short {
-    values: [i32x4; 3],
-    steps: [i32x4; 3],
-}
-
-impl Lanes for Short {
-    #[inline(always)]
-    fn new(cover: &Cover<'_>, x: i32) -> Self {
-        let columns = i32x4::splat(x - cover.pixels[0][0]) + i32x4::new([0, 1, 2, 3]);
-        let [a, b, c] = &cover.edges;
-        let value = |edge: &Edge| i32x4::splat(cover.whole(edge) as i32) + i32x4::splat(edge.across) * columns;
-        let step = |edge: &Edge| i32x4::splat(edge.up);
-        Self { values: [value(a), value(b), value(c)], steps: [step(a), step(b), step(c)] }
-    }
-    #[inline(always)]
-    fn outside(&self) -> u32 {
-        let [a, b, c] = self.values;
-        (a | b | c).to_bitmask()
-    }
-    #[inline(always)]
-    fn step(&mut self) {
-        for (value, step) in self.values.iter_mut().zip(self.steps) {
-            *value += step;
-        }
-    }
 }
 
 /// Those of edges of any length.
@@ -200,13 +162,13 @@ impl Cover<'_> {
     #[inline(always)]
     fn draw<L: Lanes>(&self, square: &mut Square, rules: &impl Rules) {
         let [[x0, x1], [y0, y1]] = self.pixels;
-        let most = f32x4::splat(self.triangle.most_nearness());
+        let most = f32x8::splat(self.triangle.most_nearness());
         let mut plane = None;
         for x in (x0..x1 + 1).step_by(LANES) {
             let (mut lanes, column) = (L::new(self, x), (x - square.first[0]) as usize);
             for y in y0..y1 + 1 {
                 let Some(shown) = square.pixels([column, (y - square.first[1]) as usize]) else { return };
-                let hidden = f32x4::new(*shown.nearness).simd_gt(most).to_bitmask();
+                let hidden = f32x8::new(*shown.nearness).simd_gt(most).to_bitmask();
                 let covered = !(lanes.outside() | hidden) & ((1 << LANES) - 1);
                 if covered != 0 {
                     let plane: &Plane = plane.get_or_insert_with(|| Plane::new(self));

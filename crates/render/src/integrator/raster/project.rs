@@ -10,6 +10,8 @@ use crate::clusters::{LANES, PointBlock};
 const COORDINATE_BITS: u32 = 29;
 /// Less than any coordinate on the grid.
 const OFF: i32 = -1 << (COORDINATE_BITS + 1);
+/// Added to a number of less than 32 bits, it leaves its nearest integer in the lowest bits.
+pub const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Least weight of a homogeneous position: what is nearer to the eye is cut off.
 const LEAST_DISTANCE: f64 = 1e-30;
 /// The near plane is moved by this factor, as the camera moves the near ends of its rays.
@@ -191,8 +193,6 @@ impl Grid {
 
     #[inline(always)]
     fn vertex(&self, x: f64, y: f64, scale: f64, distance: f64) -> Vertex {
-        /// Added to a number of less than 32 bits, it leaves its nearest integer in the lowest bits.
-        const ROUNDER: f64 = 6_755_399_441_055_744.0;
         let unit = f64::from(1u32 << self.subpixel_bits);
         let nearness = if self.is_perspective { scale } else { -distance };
         Vertex {

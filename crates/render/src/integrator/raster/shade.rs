@@ -5,7 +5,7 @@ use umber_math::{Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
 use super::super::tile::kept;
-use super::bins::{Entry, Seen};
+use super::bins::{Piece, Seen};
 use super::centers;
 use super::placement::Placement;
 use super::project::Grid;
@@ -24,7 +24,9 @@ pub struct Shader<'a> {
     placements: &'a [Placement],
     arch: Arch,
     directions: Directions,
-    /// What is seen in the tile, with the pixels where it was first seen, and the shading normals of its corners.
+    /// Numbers of what is seen in the tile, with the pixels where it was first seen.
+    found: Vec<(u32, [i32; 2])>,
+    /// What they are, and the shading normals of their corners.
     seen: Vec<(Seen<'a>, [i32; 2])>,
     normals: Vec<Option<[Vec3; 3]>>,
     /// The same triangles, ready to be shaded.
@@ -76,51 +78,60 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        let (seen, normals, triangles, which) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { scene, grid, placements, arch: Arch::new(), directions, seen, normals, triangles, which }
+        let arch = Arch::new();
+        let (found, seen, normals, triangles, which) = Default::default();
+        Self { scene, grid, placements, arch, directions, found, seen, normals, triangles, which }
     }
 
     /// Finds what is seen in a tile. False where nothing is.
-    pub fn look(&mut self, square: &Square, entries: &[Entry], rect: TileRect) -> bool {
+    pub fn look(&mut self, square: &Square, pieces: &[Piece<'a>], rect: TileRect) -> bool {
+        self.find(square, rect);
         self.seen.clear();
-        self.which.clear();
-        let mut below = [(NOTHING, NONE); TILE];
-        for y in rect.y..rect.y + rect.height {
-            let mut before = (NOTHING, NONE);
-            let numbers = square.row([rect.x as i32, y as i32], rect.width);
-            for ((x, &number), below) in (rect.x..).zip(numbers).zip(&mut below) {
-                // mostly the triangle of the pixel before or below
-                if number != before.0 {
-                    before = if number == below.0 {
-                        *below
-                    } else if number == NOTHING {
-                        (NOTHING, NONE)
-                    } else {
-                        let seen = Seen::new(self.scene, self.placements, entries, number);
-                        self.seen.push((seen, [x as i32, y as i32]));
-                        (number, self.seen.len() as u32 - 1)
-                    };
-                }
-                *below = before;
-                self.which.push(before.1);
-            }
-        }
-        self.prepare();
+        self.seen.extend(self.found.iter().map(|(number, pixel)| (Seen::new(pieces, *number), *pixel)));
+        self.normals.clear();
+        self.normals.extend(self.seen.iter().map(|(seen, _)| {
+            let mesh = self.placements[seen.placement as usize].mesh(self.scene);
+            Some(mesh.attributes.normals.as_ref()?.at_vertices(&mesh.shape.mesh, seen.triangle))
+        }));
+        self.arch.dispatch(Prepare(self));
         !self.triangles.is_empty()
     }
 
+    /// Finds which triangle is seen at each pixel, and which they are.
+    fn find(&mut self, square: &Square, rect: TileRect) {
+        let Self { found, which, .. } = self;
+        found.clear();
+        which.clear();
+        which.resize(rect.width * rect.height, NONE);
+        let (mut numbers_below, mut below) = (&[NOTHING; TILE][..rect.width], &[NONE; TILE][..rect.width]);
+        for (y, row) in (rect.y as i32..).zip(which.chunks_exact_mut(rect.width)) {
+            let numbers = square.row([rect.x as i32, y], rect.width);
+            let mut before = (NOTHING, NONE);
+            for (i, (number, which)) in numbers.iter().zip(&mut *row).enumerate() {
+                // mostly the triangle of the pixel before or below
+                if *number != before.0 {
+                    before = match *number {
+                        number if number == numbers_below[i] => (number, below[i]),
+                        NOTHING => (NOTHING, NONE),
+                        number => {
+                            found.push((number, [(rect.x + i) as i32, y]));
+                            (number, found.len() as u32 - 1)
+                        }
+                    };
+                }
+                *which = before.1;
+            }
+            (numbers_below, below) = (numbers, row);
+        }
+    }
+
     /// Prepares what is seen to be shaded.
+    #[inline(always)]
     fn prepare(&mut self) {
-        let (scene, placements) = (self.scene, self.placements);
-        self.normals.clear();
-        self.normals.extend(self.seen.iter().map(|(seen, _)| {
-            let mesh = placements[seen.placement as usize].mesh(scene);
-            Some(mesh.attributes.normals.as_ref()?.at_vertices(&mesh.shape.mesh, seen.triangle))
-        }));
         self.triangles.clear();
         for ((seen, pixel), normals) in self.seen.iter().zip(&self.normals) {
-            let placement = &placements[seen.placement as usize];
-            self.triangles.push(VisibleTriangle::new(scene, self.grid, placement, seen, normals, *pixel));
+            let placement = &self.placements[seen.placement as usize];
+            self.triangles.push(VisibleTriangle::new(self.scene, self.grid, placement, seen, normals, *pixel));
         }
     }
 
@@ -184,6 +195,18 @@ impl<'a> Shader<'a> {
         let mesh = triangle.mesh;
         let polygon = if by_polygon { mesh.shape.mesh.elements[triangle.index as usize] } else { u32::MAX };
         Rgb(random_color([mesh.prim_id as u32, polygon]))
+    }
+}
+
+/// [`Shader::prepare`], compiled for the processor's vector unit.
+struct Prepare<'s, 'a>(&'s mut Shader<'a>);
+
+impl WithSimd for Prepare<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.prepare();
     }
 }
 

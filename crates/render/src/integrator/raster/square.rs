@@ -6,7 +6,7 @@ use crate::film::TILE;
 /// Edge of a square, pixels; a multiple of the film's tiles'.
 pub const SQUARE: usize = 64;
 /// Pixels that are tested at once.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 /// Pixels of a row with those after its end: what covers its last ones may be drawn beyond them, unseen.
 const STRIDE: usize = SQUARE + LANES;
 /// Number of no triangle.
