@@ -1,6 +1,7 @@
 //! A mesh's triangles in small groups that lie close together: what a rasteriser draws or passes over at once.
 
 use rayon::prelude::*;
+use umber_bvh::prefetch;
 use umber_math::{Bounds3, Point3, Vec3};
 
 /// Triangles of a group, at most.
@@ -22,6 +23,15 @@ pub struct Cluster<'a> {
     pub corners: &'a [[u8; 3]],
     /// Which of the mesh's triangles those are.
     pub indices: &'a [u32],
+}
+
+impl Cluster<'_> {
+    /// Asks for what drawing it reads.
+    #[inline(always)]
+    pub fn prefetch(&self) {
+        prefetch(self.points);
+        prefetch(self.corners);
+    }
 }
 
 /// Groups of triangles.

@@ -54,18 +54,3 @@ impl Stack {
         None
     }
 }
-
-/// Asks for the four cache lines at an address, which need not be a good one.
-#[inline(always)]
-pub(super) fn prefetch(address: *const u8) {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: a prefetch reads nothing as far as the program is concerned; every processor has it.
-    unsafe {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        for line in 0..4 {
-            _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64 * line).cast());
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = address;
-}

@@ -1,9 +1,6 @@
 //! The traversal, for any vector unit.
 
-use super::{
-    Isa, Lanes, kernel,
-    stack::{Stack, prefetch},
-};
+use super::{Isa, Lanes, kernel, stack::Stack};
 use crate::{
     ray::{FAR_SLACK, TraversalRay},
     wide::{ChildRef, WideNode, WideTree},
@@ -59,7 +56,11 @@ pub(super) unsafe fn walk<S: Isa, V: Visitor, const ORDERED: bool>(
                     // SAFETY: the entries were just set.
                     let child = ChildRef(unsafe { stack.get(at) } as u32);
                     let node = tree.nodes.as_ptr().wrapping_add(child.0 as usize).cast();
-                    prefetch(if child.is_leaf() { visitor.first_read(child.range().0) } else { node });
+                    crate::prefetch::four_lines(if child.is_leaf() {
+                        visitor.first_read(child.range().0)
+                    } else {
+                        node
+                    });
                 }
                 continue;
             }

@@ -57,7 +57,15 @@ impl<'a> Drawer<'a> {
     /// Draws placements.
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let points = Points { places: [[0; 4]; POINTS], nearness: [0.0; POINTS] };
-        Self { scene, grid, placements, arch: Arch::new(), points, boxed: [(0, [0; 4]); CLUSTER], batch: Batch::default() }
+        Self {
+            scene,
+            grid,
+            placements,
+            arch: Arch::new(),
+            points,
+            boxed: [(0, [0; 4]); CLUSTER],
+            batch: Batch::default(),
+        }
     }
 
     /// Draws a square's pieces, which come from front to back: those behind are hidden when it is their turn.
@@ -101,6 +109,9 @@ impl WithSimd for DrawSquare<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         for (i, Piece { entry, .. }) in self.pieces.iter().enumerate() {
+            if let Some(next) = self.pieces.get(i + 1) {
+                next.cluster.prefetch();
+            }
             if !self.square.hides(entry.pixels, entry.nearness) {
                 self.drawer.draw_piece(self.square, self.pieces, i);
             }
@@ -129,9 +140,9 @@ impl Points {
     /// Puts triangles into a batch.
     #[inline(always)]
     fn gather(&self, cluster: &Cluster<'_>, boxed: &[Boxed], batch: &mut Batch) {
-        for (at, (i, [x0, y0, ..])) in boxed.iter().enumerate() {
+        for (at, (i, pixels)) in boxed.iter().enumerate() {
             let corners = cluster.corners[*i as usize].map(|point| self.vertex(point));
-            batch.set(at % BATCH, corners, [*x0, *y0]);
+            batch.set(at % BATCH, corners, ranges(pixels));
         }
     }
 }
@@ -166,9 +177,15 @@ impl Boxing {
     /// First and last column, first and last row whose middles lie in the box around a triangle; `None` without any.
     pub fn range(&self, corners: &[Vertex; 3]) -> Option<[[i32; 2]; 2]> {
         let [a, b, c] = corners.each_ref().map(mirrored);
-        let pixels @ [x0, y0, x1, y1] = self.pixels(&a, &b, &c);
-        (!is_empty(pixels)).then_some([[x0, -x1], [y0, -y1]])
+        let pixels = self.pixels(&a, &b, &c);
+        (!is_empty(pixels)).then(|| ranges(&pixels))
     }
+}
+
+/// First and last column, first and last row.
+#[inline(always)]
+fn ranges([x0, y0, x1, y1]: &[i32; 4]) -> [[i32; 2]; 2] {
+    [[*x0, -x1], [*y0, -y1]]
 }
 
 /// Whether no pixel is among those.
@@ -193,8 +210,10 @@ impl Draw<'_> {
     fn draw_batch(&self, square: &mut Square, batch: &Batch, boxed: &[Boxed], first: u32) {
         let short = Short::new(self.grid, batch);
         let [anticlockwise, clockwise] = self.placement.culled;
-        for (at, (i, [x0, y0, x1, y1])) in boxed.iter().enumerate() {
-            let (at, pixels, number) = (at % BATCH, [[*x0, -x1], [*y0, -y1]], first + i);
+        let (covering, count) = short.covering(self.grid, batch, boxed.len());
+        for &at in &covering[..count] {
+            let (i, pixels) = &boxed[at];
+            let (pixels, number) = (ranges(pixels), first + i);
             if self.placement.may_be_absent || !short.is_short(self.grid, at) {
                 self.draw(square, batch.corners(at), number, pixels);
                 continue;

@@ -57,17 +57,21 @@ impl Triangle {
         let [a, b, c] = self.corners;
         let first = [grid.center(pixels[0][0], grid.width), grid.center(pixels[1][0], grid.height)];
         let edges = [Edge::new(a, b, first), Edge::new(b, c, first), Edge::new(c, a, first)];
-        Cover { grid, triangle: self, edges, pixels }.draw::<Long>(square, rules);
+        Cover { grid, triangle: self, edges, pixels }.draw(square, rules);
     }
 
-    /// No less than its nearness anywhere, whatever the rounding.
+    /// Its nearness at most: what is reckoned at a pixel may be more, by rounding, where it has hardly any area.
     #[inline(always)]
     fn most_nearness(&self) -> f32 {
-        let [a, b, c] = &self.corners;
-        let most = if a.nearness > b.nearness { a.nearness } else { b.nearness };
-        let most = if most > c.nearness { most } else { c.nearness };
-        most + most.abs() * (8.0 * f32::EPSILON)
+        let [a, b, c] = self.corners.map(|corner| corner.nearness);
+        larger(larger(a, b), c)
     }
+}
+
+/// The larger of two numbers; the second where one is none.
+#[inline(always)]
+pub fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Twice the area of a projected triangle, square grid units: negative where it winds clockwise.
@@ -97,24 +101,15 @@ impl Edge {
 }
 
 /// The edge functions of a triangle at some pixels of a row.
-trait Lanes: Copy {
-    /// From column `x` of the first row on.
-    fn new(cover: &Cover<'_>, x: i32) -> Self;
-    /// A bit for each pixel that the triangle does not cover.
-    fn outside(&self) -> u32;
-    /// Goes to the next row.
-    fn step(&mut self);
-}
-
-/// Those of edges of any length.
 #[derive(Clone, Copy)]
-struct Long {
+struct Lanes {
     values: [i64; 3],
     across: [i64; 3],
     steps: [i64; 3],
 }
 
-impl Lanes for Long {
+impl Lanes {
+    /// From column `x` of the first row on.
     #[inline(always)]
     fn new(cover: &Cover<'_>, x: i32) -> Self {
         let column = i64::from(x - cover.pixels[0][0]);
@@ -124,6 +119,7 @@ impl Lanes for Long {
             steps: cover.edges.map(|edge| i64::from(edge.up)),
         }
     }
+    /// A bit for each pixel that the triangle does not cover.
     #[inline(always)]
     fn outside(&self) -> u32 {
         let ([a, b, c], [a_step, b_step, c_step]) = (self.values, self.across);
@@ -134,6 +130,7 @@ impl Lanes for Long {
         }
         bits
     }
+    /// Goes to the next row.
     #[inline(always)]
     fn step(&mut self) {
         for (value, step) in self.values.iter_mut().zip(self.steps) {
@@ -160,18 +157,18 @@ impl Cover<'_> {
     }
 
     #[inline(always)]
-    fn draw<L: Lanes>(&self, square: &mut Square, rules: &impl Rules) {
+    fn draw(&self, square: &mut Square, rules: &impl Rules) {
         let [[x0, x1], [y0, y1]] = self.pixels;
-        let most = f32x8::splat(self.triangle.most_nearness());
+        let most = self.triangle.most_nearness();
         let mut plane = None;
         for x in (x0..x1 + 1).step_by(LANES) {
-            let (mut lanes, column) = (L::new(self, x), (x - square.first[0]) as usize);
+            let (mut lanes, column) = (Lanes::new(self, x), (x - square.first[0]) as usize);
             for y in y0..y1 + 1 {
                 let Some(shown) = square.pixels([column, (y - square.first[1]) as usize]) else { return };
-                let hidden = f32x8::new(*shown.nearness).simd_gt(most).to_bitmask();
+                let hidden = f32x8::new(*shown.nearness).simd_gt(f32x8::splat(most)).to_bitmask();
                 let covered = !(lanes.outside() | hidden) & ((1 << LANES) - 1);
                 if covered != 0 {
-                    let plane: &Plane = plane.get_or_insert_with(|| Plane::new(self));
+                    let plane: &Plane = plane.get_or_insert_with(|| Plane::new(self, most));
                     self.put(shown, covered, plane, [x, y], rules);
                 }
                 lanes.step();
@@ -209,11 +206,13 @@ struct Plane {
     value: f64,
     across: f64,
     up: f64,
+    /// What it does not exceed.
+    most: f32,
 }
 
 impl Plane {
     #[inline(always)]
-    fn new(cover: &Cover<'_>) -> Self {
+    fn new(cover: &Cover<'_>, most: f32) -> Self {
         let [a, b, c] = &cover.triangle.corners;
         let (a, b, c) = (f64::from(a.nearness), f64::from(b.nearness), f64::from(c.nearness));
         let (b, c, per_area) = (b - a, c - a, 1.0 / cover.triangle.area as f64);
@@ -224,11 +223,13 @@ impl Plane {
             value: a + (of_b.value as f64 * b + of_c.value as f64 * c) * per_area,
             across: (f64::from(of_b.across) * unit * b + f64::from(of_c.across) * unit * c) * per_area,
             up: (f64::from(of_b.up) * unit * b + f64::from(of_c.up) * unit * c) * per_area,
+            most,
         }
     }
     /// At a pixel.
     #[inline(always)]
     fn at(&self, column: i32, row: i32) -> f32 {
-        (self.value + self.across * f64::from(column) + self.up * f64::from(row)) as f32
+        let nearness = (self.value + self.across * f64::from(column) + self.up * f64::from(row)) as f32;
+        if nearness < self.most { nearness } else { self.most }
     }
 }

@@ -28,6 +28,7 @@ pub struct Shader<'a> {
     found: Vec<(u32, [i32; 2])>,
     /// What they are, and the shading normals of their corners.
     seen: Vec<(Seen<'a>, [i32; 2])>,
+    normal_indices: Vec<Option<[u32; 3]>>,
     normals: Vec<Option<[Vec3; 3]>>,
     /// The same triangles, ready to be shaded.
     triangles: Vec<VisibleTriangle<'a>>,
@@ -48,28 +49,56 @@ struct Directions {
     up: Vec3,
 }
 
-/// How surfaces stand to the viewer, along a row of a tile.
-struct Facing {
-    /// Shading normals by coordinate, render space, not of unit length.
+/// Surfaces along a row of a tile: their vectors and colours by coordinate and channel.
+struct Row {
+    /// Shading normals, render space, not of unit length.
     normals: [[f32; TILE]; 3],
-    /// Their colours.
-    bases: [Rgb; TILE],
+    bases: [[f32; TILE]; 3],
+    emissions: [[f32; TILE]; 3],
+    coverages: [f32; TILE],
 }
 
-impl Facing {
-    /// Cosines between normals and view rays. `start`, `step`: direction of the first ray, and its change.
+impl Row {
+    const EMPTY: Self = Self {
+        normals: [[0.0; TILE]; 3],
+        bases: [[0.0; TILE]; 3],
+        emissions: [[0.0; TILE]; 3],
+        coverages: [0.0; TILE],
+    };
+
+    /// Sets what is seen at a pixel.
     #[inline(always)]
-    fn cosines(&self, start: Vec3, step: Vec3) -> [f32; TILE] {
+    fn set(&mut self, i: usize, triangle: Option<&VisibleTriangle<'_>>, pixel: [i32; 2]) {
+        let (mut normal, mut base, mut emission, mut coverage) = (Vec3::ZERO, Rgb::BLACK, Rgb::BLACK, 0.0);
+        if let Some(triangle) = triangle {
+            ((normal, base), emission, coverage) = (triangle.at(pixel), triangle.emission, 1.0);
+        }
+        for (lanes, value) in
+            [(&mut self.normals, normal), (&mut self.bases, base.0), (&mut self.emissions, emission.0)]
+        {
+            for (lanes, value) in lanes.iter_mut().zip(value.to_array()) {
+                lanes[i] = value;
+            }
+        }
+        self.coverages[i] = coverage;
+    }
+
+    /// Radiance by channel, lit from the eye. `start`, `step`: direction of the first view ray, and its change.
+    #[inline(always)]
+    fn headlit(&self, start: Vec3, step: Vec3) -> [[f32; TILE]; 3] {
         let [nx, ny, nz] = &self.normals;
-        let mut cosines = [0.0; TILE];
+        let mut radiance = [[0.0; TILE]; 3];
         for i in 0..TILE {
             let d = start + step * i as f32;
             let squared = (nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i]) * (d.x * d.x + d.y * d.y + d.z * d.z);
             let cos = (nx[i] * d.x + ny[i] * d.y + nz[i] * d.z).abs() / squared.sqrt();
             // what is not a number faces nothing
-            cosines[i] = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
+            let cos = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
+            for channel in 0..3 {
+                radiance[channel][i] = self.bases[channel][i] * cos + self.emissions[channel][i];
+            }
         }
-        cosines
+        radiance
     }
 }
 
@@ -79,8 +108,8 @@ impl<'a> Shader<'a> {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
         let arch = Arch::new();
-        let (found, seen, normals, triangles, which) = Default::default();
-        Self { scene, grid, placements, arch, directions, found, seen, normals, triangles, which }
+        let (found, seen, normal_indices, normals, triangles, which) = Default::default();
+        Self { scene, grid, placements, arch, directions, found, seen, normal_indices, normals, triangles, which }
     }
 
     /// Finds what is seen in a tile. False where nothing is.
@@ -88,11 +117,16 @@ impl<'a> Shader<'a> {
         self.find(square, rect);
         self.seen.clear();
         self.seen.extend(self.found.iter().map(|(number, pixel)| (Seen::new(pieces, *number), *pixel)));
-        self.normals.clear();
-        self.normals.extend(self.seen.iter().map(|(seen, _)| {
-            let mesh = self.placements[seen.placement as usize].mesh(self.scene);
-            Some(mesh.attributes.normals.as_ref()?.at_vertices(&mesh.shape.mesh, seen.triangle))
+        let (scene, placements) = (self.scene, self.placements);
+        let mesh = |(seen, _): &(Seen<'a>, [i32; 2])| placements[seen.placement as usize].mesh(scene);
+        let normals = |at: &(Seen<'a>, [i32; 2])| Some((mesh(at), mesh(at).attributes.normals.as_ref()?));
+        self.normal_indices.clear();
+        self.normal_indices.extend(self.seen.iter().map(|at| {
+            normals(at).and_then(|(mesh, normals)| normals.indices_at_vertices(&mesh.shape.mesh, at.0.triangle))
         }));
+        self.normals.clear();
+        let indexed = self.seen.iter().zip(&self.normal_indices);
+        self.normals.extend(indexed.map(|(at, indices)| Some(normals(at)?.1.of_indices(*indices))));
         self.arch.dispatch(Prepare(self));
         !self.triangles.is_empty()
     }
@@ -150,26 +184,14 @@ impl<'a> Shader<'a> {
     /// Colours, lit from the eye.
     #[inline(always)]
     fn headlit(&self, rect: TileRect, sums: &mut Vec<PixelSum>) {
-        let mut facing = Facing { normals: [[0.0; TILE]; 3], bases: [Rgb::BLACK; TILE] };
-        for (y, which) in (rect.y..).zip(self.which.chunks_exact(rect.width)) {
-            for (i, &which) in which.iter().enumerate() {
-                if let Some(triangle) = self.triangles.get(which as usize) {
-                    let (normal, base) = triangle.at([(rect.x + i) as i32, y as i32]);
-                    let [x, y, z] = &mut facing.normals;
-                    (x[i], y[i], z[i]) = (normal.x, normal.y, normal.z);
-                    facing.bases[i] = base;
-                }
-            }
-            let cosines = facing.cosines(self.direction([rect.x as i32, y as i32]), self.directions.across);
+        let mut row = Row::EMPTY;
+        for (y, which) in (rect.y as i32..).zip(self.which.chunks_exact(rect.width)) {
             for (i, which) in which.iter().enumerate() {
-                sums.push(match self.triangles.get(*which as usize) {
-                    Some(triangle) => {
-                        let radiance = facing.bases[i] * cosines[i] + triangle.emission;
-                        PixelSum::of(kept(self.scene, radiance), 1.0)
-                    }
-                    None => PixelSum::of(Rgb::BLACK, 0.0),
-                });
+                row.set(i, self.triangles.get(*which as usize), [(rect.x + i) as i32, y]);
             }
+            let [r, g, b] = row.headlit(self.direction([rect.x as i32, y]), self.directions.across);
+            let sum = |i: usize| PixelSum::of(kept(self.scene, Rgb(Vec3::new(r[i], g[i], b[i]))), row.coverages[i]);
+            sums.extend((0..which.len()).map(sum));
         }
     }
 

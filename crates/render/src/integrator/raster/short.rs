@@ -6,7 +6,7 @@
 use bytemuck::cast;
 use wide::f32x8;
 
-use super::fill::Rules;
+use super::fill::{Rules, larger};
 use super::project::{Grid, ROUNDER, Vertex};
 use super::square::{LANES, NOTHING, Pixels, Square};
 
@@ -16,7 +16,7 @@ pub const BATCH: usize = 8;
 /// A number of each of them.
 type Each<T> = [T; BATCH];
 
-/// Projected triangles, by corner and coordinate, each with what its box holds.
+/// Projected triangles, by corner and coordinate, each with the pixels whose middles its box holds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Batch {
     x: [Each<i32>; 3],
@@ -25,16 +25,18 @@ pub struct Batch {
     /// First column and row of the film.
     column: Each<i32>,
     row: Each<i32>,
+    /// Whether there are more.
+    has_more: Each<bool>,
 }
 
 impl Batch {
-    /// Sets one. `first`: column and row of the first pixel that its box holds the middle of.
+    /// Sets one. `pixels`: first and last column, first and last row.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, corners: [Vertex; 3], first: [i32; 2]) {
+    pub fn set(&mut self, i: usize, corners: [Vertex; 3], [[x0, x1], [y0, y1]]: [[i32; 2]; 2]) {
         for (corner, Vertex { x, y, nearness }) in corners.into_iter().enumerate() {
             (self.x[corner][i], self.y[corner][i], self.nearness[corner][i]) = (x, y, nearness);
         }
-        [self.column[i], self.row[i]] = first;
+        (self.column[i], self.row[i], self.has_more[i]) = (x0, y0, (x0 != x1) | (y0 != y1));
     }
     /// Corners of one.
     pub fn corners(&self, i: usize) -> [Vertex; 3] {
@@ -46,7 +48,7 @@ impl Batch {
 /// Triangles of a batch, ready to be drawn; see [`Triangle`](super::fill::Triangle) for what the numbers are.
 #[derive(Clone, Copy, Debug)]
 pub struct Short {
-    /// The longest side of an edge's box, grid units.
+    /// The longest side of an edge's box, grid units; beyond all where a corner is off the grid.
     longest: Each<i32>,
     /// Twice the area, square grid units: negative where the corners go round clockwise.
     area: Each<f64>,
@@ -58,6 +60,8 @@ pub struct Short {
     nearness: Each<f64>,
     nearness_across: Each<f64>,
     nearness_up: Each<f64>,
+    /// What its nearness does not exceed.
+    most_nearness: Each<f32>,
 }
 
 impl Short {
@@ -73,6 +77,7 @@ impl Short {
             nearness: [0.0; BATCH],
             nearness_across: [0.0; BATCH],
             nearness_up: [0.0; BATCH],
+            most_nearness: [0.0; BATCH],
         };
         let unit = f64::from(1u32 << grid.subpixel_bits);
         let per_unit = 1.0 / unit;
@@ -88,7 +93,9 @@ impl Short {
             let to_pixel = [[px - ax, py - ay], [px - bx, py - by], [px - cx, py - cy]];
             let area = float(dx[2]) * float(dy[0]) - float(dy[2]) * float(dx[0]);
             let sign = if area < 0.0 { -1 } else { 1 };
-            let (mut longest, mut values) = (0, [0.0; 3]);
+            // where all corners are off the grid, edges would seem to have no length
+            let mut longest = if ax == Vertex::OFF_GRID.x { i32::MAX } else { 0 };
+            let mut values = [0.0; 3];
             for k in 0..3 {
                 longest = longest.max(dx[k].abs()).max(dy[k].abs());
                 values[k] = float(dx[k]) * float(to_pixel[k][1]) - float(dy[k]) * float(to_pixel[k][0]);
@@ -98,7 +105,9 @@ impl Short {
             }
             (short.longest[i], short.area[i]) = (longest, area);
             // the weights of b and c are the functions of the edges opposite to them, over the area
-            let [a, b, c] = [0, 1, 2].map(|corner| f64::from(batch.nearness[corner][i]));
+            let [a, b, c] = [0, 1, 2].map(|corner| batch.nearness[corner][i]);
+            short.most_nearness[i] = larger(larger(a, b), c);
+            let [a, b, c] = [a, b, c].map(f64::from);
             let (b, c) = (b - a, c - a);
             let per_area = 1.0 / area;
             short.nearness[i] = a + (values[2] * b + values[0] * c) * per_area;
@@ -112,6 +121,18 @@ impl Short {
     #[inline(always)]
     pub fn is_short(&self, grid: &Grid, i: usize) -> bool {
         self.longest[i] <= grid.short
+    }
+    /// Those that may cover something or are not short, of the first `count`; how many they are.
+    #[inline(always)]
+    pub fn covering(&self, grid: &Grid, batch: &Batch, count: usize) -> ([usize; BATCH], usize) {
+        let (mut covering, mut found) = ([0; BATCH], 0);
+        let [a, b, c] = &self.values;
+        // without branches: nobody can tell beforehand
+        for i in 0..count.min(BATCH) {
+            covering[found % BATCH] = i;
+            found += usize::from(batch.has_more[i] | ((a[i] | b[i] | c[i]) >= 0) | !self.is_short(grid, i));
+        }
+        (covering, found)
     }
     /// Twice its area, square grid units: negative where its corners go round clockwise.
     #[inline(always)]
@@ -174,6 +195,7 @@ struct Row {
     /// Nearness in the first row, and its change from row to row.
     nearness: [f64; LANES],
     nearness_up: f64,
+    most_nearness: f32,
     /// Which row, from the first.
     number: i32,
 }
@@ -191,7 +213,8 @@ impl Row {
         for (lane, nearness) in (0..).zip(&mut nearness) {
             *nearness = short.nearness[i] + short.nearness_across[i] * f64::from(column + lane);
         }
-        Self { values, up: short.up.map(|up| up[i]), nearness, nearness_up: short.nearness_up[i], number: 0 }
+        let (nearness_up, most_nearness) = (short.nearness_up[i], short.most_nearness[i]);
+        Self { values, up: short.up.map(|up| up[i]), nearness, nearness_up, most_nearness, number: 0 }
     }
     /// Goes to the next row.
     #[inline(always)]
@@ -211,7 +234,10 @@ impl Row {
     #[inline(always)]
     fn nearness(&self) -> [f32; LANES] {
         let up = self.nearness_up * f64::from(self.number);
-        self.nearness.map(|first| (first + up) as f32)
+        self.nearness.map(|first| {
+            let nearness = (first + up) as f32;
+            if nearness < self.most_nearness { nearness } else { self.most_nearness }
+        })
     }
     /// Shows it where nothing is as near. `levels` gets bits where it is as near as what is shown.
     #[inline(always)]

@@ -81,6 +81,14 @@ impl Square {
         true
     }
 
+    /// Number and nearness of what each pixel shows, row by row.
+    #[cfg(test)]
+    pub fn shown(&self) -> Vec<(u32, f32)> {
+        let [width, height] = self.size.map(|v| v as usize);
+        let row = |y: usize| y * STRIDE..y * STRIDE + width;
+        (0..height).flat_map(row).map(|at| (self.numbers[at], self.nearness[at])).collect()
+    }
+
     /// The numbers of what is seen from a pixel of the film on, along a row.
     #[inline]
     pub fn row(&self, [x, y]: [i32; 2], length: usize) -> &[u32] {
