@@ -96,56 +96,91 @@ impl LightSet {
         self.sampler.pmf(receiver, light as usize)
     }
 
+    /// Those of some lights that have a place and a size; `None` where they are too many to be tried one by one.
+    pub fn few_shapes(&self, among: impl Fn(u32) -> bool) -> Option<Box<[u32]>> {
+        let shapes: Box<[u32]> = self.shapes.iter().copied().filter(|light| among(*light)).collect();
+        (shapes.len() <= FEW).then_some(shapes)
+    }
+
     /// The nearest light shape on a ray. A side that does not emit is black; the camera looks through it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, camera: bool) -> Option<ShapeHit> {
-        self.intersect_among(ray, camera, |_| true)
+        let mut nearest = None;
+        self.each_shape(ray, |light, t_max| self.meet(light, &Ray { t_max, ..*ray }, camera, &mut nearest));
+        nearest
     }
 
-    /// As [`intersect`](Self::intersect), among some lights: the others are not there.
+    /// As [`intersect`](Self::intersect) for others than the camera, among some lights: the others are not there.
     #[inline]
-    pub fn intersect_among(&self, ray: &Ray, camera: bool, among: impl Fn(u32) -> bool) -> Option<ShapeHit> {
-        if self.shapes.is_empty() {
+    pub fn intersect_among(&self, ray: &Ray, among: impl Fn(u32) -> bool) -> Option<ShapeHit> {
+        let mut nearest = None;
+        let meet = |light: u32, t_max| self.meet(light, &Ray { t_max, ..*ray }, false, &mut nearest);
+        self.each_shape(ray, only(among, meet));
+        nearest
+    }
+
+    /// The same, among [`few_shapes`](Self::few_shapes).
+    #[inline]
+    pub fn intersect_few(&self, ray: &Ray, shapes: &[u32]) -> Option<ShapeHit> {
+        let mut nearest = None;
+        each_of(shapes, ray, |light, t_max| self.meet(light, &Ray { t_max, ..*ray }, false, &mut nearest));
+        nearest
+    }
+
+    /// Where a ray meets a light, that becomes the nearest.
+    #[inline]
+    fn meet(&self, index: u32, ray: &Ray, camera: bool, nearest: &mut Option<ShapeHit>) -> Option<f32> {
+        let light = &self.lights[index as usize];
+        if camera && !light.camera_visible() {
             return None;
         }
-        let mut nearest: Option<ShapeHit> = None;
-        self.each_shape(ray, |index, t_max| {
-            let light = &self.lights[index as usize];
-            if camera && !light.camera_visible() || !among(index) {
-                return None;
-            }
-            let hit = light.intersect(&Ray { t_max, ..*ray })?;
-            if camera && !hit.is_front {
-                return None;
-            }
-            nearest = Some(ShapeHit { light: index, radiance: hit.radiance });
-            Some(hit.t)
-        });
-        nearest
+        let hit = light.intersect(ray)?;
+        if camera && !hit.is_front {
+            return None;
+        }
+        *nearest = Some(ShapeHit { light: index, radiance: hit.radiance });
+        Some(hit.t)
     }
 
     /// Whether a light shape other than `target` lies on a ray.
     #[inline]
     pub fn occluded(&self, ray: &Ray, target: u32) -> bool {
-        self.occluded_among(ray, target, |_| true)
+        if self.shapes[..] == [target] {
+            return false;
+        }
+        let mut occluded = false;
+        self.each_shape(ray, |light, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded));
+        occluded
     }
 
     /// As [`occluded`](Self::occluded), among some lights: the others are not there.
     #[inline]
     pub fn occluded_among(&self, ray: &Ray, target: u32, among: impl Fn(u32) -> bool) -> bool {
-        if self.shapes.is_empty() || self.shapes[..] == [target] {
+        let mut occluded = false;
+        let hide = |light: u32, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded);
+        self.each_shape(ray, only(among, hide));
+        occluded
+    }
+
+    /// The same, among [`few_shapes`](Self::few_shapes).
+    #[inline]
+    pub fn occluded_few(&self, ray: &Ray, target: u32, shapes: &[u32]) -> bool {
+        if *shapes == [target] {
             return false;
         }
         let mut occluded = false;
-        self.each_shape(ray, |index, t_max| {
-            if occluded || index == target || !among(index) {
-                return None;
-            }
-            let ray = Ray { t_max, ..*ray };
-            occluded |= self.lights[index as usize].intersect(&ray).is_some();
-            occluded.then_some(ray.t_min)
-        });
+        each_of(shapes, ray, |light, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded));
         occluded
+    }
+
+    /// Whether a light other than `target` is on a ray, if none was before.
+    #[inline]
+    fn hide(&self, light: u32, ray: &Ray, target: u32, occluded: &mut bool) -> Option<f32> {
+        if *occluded || light == target {
+            return None;
+        }
+        *occluded = self.lights[light as usize].intersect(ray).is_some();
+        occluded.then_some(ray.t_min)
     }
 
     /// Calls `visit` for each light whose shape a ray may meet, with the ray's end so far; what it gives becomes the
@@ -154,11 +189,8 @@ impl LightSet {
     fn each_shape(&self, ray: &Ray, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
         if self.shapes.len() > FEW {
             self.shapes_bvh.traverse(ray, |slot, t_max| visit(self.shapes[slot as usize], t_max));
-            return;
-        }
-        let mut end = ray.t_max;
-        for &index in &self.shapes {
-            end = visit(index, end).unwrap_or(end);
+        } else {
+            each_of(&self.shapes, ray, visit);
         }
     }
 
@@ -174,4 +206,22 @@ impl LightSet {
         });
         nearest
     }
+}
+
+/// Calls `visit` for some lights, as [`LightSet::each_shape`].
+#[inline]
+fn each_of(shapes: &[u32], ray: &Ray, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
+    let mut end = ray.t_max;
+    for &light in shapes {
+        end = visit(light, end).unwrap_or(end);
+    }
+}
+
+/// Visits some lights alone.
+#[inline]
+fn only(
+    among: impl Fn(u32) -> bool,
+    mut visit: impl FnMut(u32, f32) -> Option<f32>,
+) -> impl FnMut(u32, f32) -> Option<f32> {
+    move |light, end| if among(light) { visit(light, end) } else { None }
 }

@@ -50,6 +50,8 @@ struct Set {
     bits: Box<[u64]>,
     /// Index of the sampler over the lights that reach them; `None`: the one over all.
     chooser: Option<u32>,
+    /// The lights with a place and a size that reach them, where those are few.
+    shapes: Option<Box<[u32]>>,
 }
 
 /// A sampler over some lights.
@@ -104,7 +106,7 @@ impl Linking {
                 for bit in categories.iter().filter_map(|category| bits.get(category)) {
                     set[*bit as usize / 64] |= 1 << (bit % 64);
                 }
-                Set { bits: set.into(), chooser: None }
+                Set { bits: set.into(), chooser: None, shapes: None }
             })
             .collect();
         let link = |category: &Option<Category>| {
@@ -118,6 +120,9 @@ impl Linking {
         let links: Vec<[Link; 2]> = links.iter().map(|links| [link(&links.light), link(&links.shadow)]).collect();
         if links.iter().flatten().all(|link| *link == Link::All) {
             return None;
+        }
+        for set in &mut sets {
+            set.shapes = lights.few_shapes(|light| links.get(light as usize).is_none_or(|link| set.has(link[0])));
         }
         let choosers = choosers(&mut sets, &links, lights);
         let of_instance = membership.map(|m| m.of_instance.clone()).unwrap_or_default();
@@ -141,6 +146,11 @@ impl Linking {
     #[inline]
     fn is_lit(&self, links: Links, light: u32) -> bool {
         self.sets[links.0 as usize].has(self.of_light(light)[0])
+    }
+    /// The lights with a place and a size that reach a surface, where those are few.
+    #[inline]
+    fn shapes(&self, links: Links) -> Option<&[u32]> {
+        self.sets[links.0 as usize].shapes.as_deref()
     }
     #[inline]
     fn chooser(&self, links: Links) -> Option<&Chooser> {
@@ -220,9 +230,10 @@ impl RenderScene {
         match (links, &self.linking) {
             (None, _) => self.lights.intersect(ray, true),
             (Some(_), None) => self.lights.intersect(ray, false),
-            (Some(links), Some(linking)) => {
-                self.lights.intersect_among(ray, false, |light| linking.is_lit(links, light))
-            }
+            (Some(links), Some(linking)) => match linking.shapes(links) {
+                Some(shapes) => self.lights.intersect_few(ray, shapes),
+                None => self.lights.intersect_among(ray, |light| linking.is_lit(links, light)),
+            },
         }
     }
 
@@ -233,7 +244,10 @@ impl RenderScene {
             None => self.lights.occluded(&ray, light),
             Some(linking) => match linking.of_light(light)[1] {
                 Link::Nothing => return 1.0,
-                Link::All => self.lights.occluded_among(&ray, light, |other| linking.is_lit(links, other)),
+                Link::All => match linking.shapes(links) {
+                    Some(shapes) => self.lights.occluded_few(&ray, light, shapes),
+                    None => self.lights.occluded_among(&ray, light, |other| linking.is_lit(links, other)),
+                },
                 link @ Link::Bit(_) => return self.transmittance_of(linking, link, ray, rays),
             },
         };
