@@ -1,4 +1,7 @@
 //! Piecewise-constant distributions over an interval and a square.
+//!
+//! Bins are looked up in cumulative tables, from where a coarse table over the numbers says they start ("guide table",
+//! Chen & Asau 1974): one look and few steps, and the same bins as a search of the whole table finds.
 
 use glam::Vec2;
 
@@ -7,6 +10,7 @@ use glam::Vec2;
 pub struct Distribution1D {
     /// Cumulative probabilities, from 0 to 1, one more than there are bins.
     cdf: Vec<f32>,
+    guide: Vec<u32>,
     integral: f64,
 }
 
@@ -15,7 +19,9 @@ impl Distribution1D {
     pub fn new(weights: &[f32]) -> Self {
         let mut cdf = Vec::with_capacity(weights.len().max(1) + 1);
         let integral = push_cdf(&mut cdf, weights);
-        Self { cdf, integral }
+        let mut guide = Vec::new();
+        push_guide(&mut guide, &cdf);
+        Self { cdf, guide, integral }
     }
     /// Number of bins, at least one.
     #[inline]
@@ -30,7 +36,7 @@ impl Distribution1D {
     /// A bin, its probability, and `u` stretched to the whole of [0, 1) for further use.
     #[inline]
     pub fn sample_discrete(&self, u: f32) -> (usize, f32, f32) {
-        sample_cdf(&self.cdf, u)
+        sample_cdf(&self.cdf, &self.guide, u)
     }
     /// Probability of a bin; zero beyond the last.
     #[inline]
@@ -75,6 +81,8 @@ pub struct Distribution2D {
     rows: Distribution1D,
     /// Row by row, `columns + 1` cumulative probabilities each.
     conditional: Vec<f32>,
+    /// Row by row, as many entries each.
+    guides: Vec<u32>,
 }
 
 impl Distribution2D {
@@ -88,7 +96,9 @@ impl Distribution2D {
         let mut conditional = Vec::with_capacity(weights.len() / columns * (columns + 1));
         let integrals: Vec<f32> =
             weights.chunks_exact(columns).map(|row| push_cdf(&mut conditional, row) as f32).collect();
-        Some(Self { columns, rows: Distribution1D::new(&integrals), conditional })
+        let mut guides = Vec::with_capacity(integrals.len() * guide_len(columns));
+        conditional.chunks_exact(columns + 1).for_each(|cdf| push_guide(&mut guides, cdf));
+        Some(Self { columns, rows: Distribution1D::new(&integrals), conditional, guides })
     }
     /// Numbers of columns and rows.
     #[inline]
@@ -104,7 +114,9 @@ impl Distribution2D {
     #[inline]
     pub fn sample_cell(&self, u: Vec2) -> CellSample {
         let (row, pmf_row, y) = self.rows.sample_discrete(u.y);
-        let (column, pmf_column, x) = sample_cdf(self.conditional_cdf(row), u.x);
+        let len = guide_len(self.columns);
+        let guide = &self.guides[row * len..(row + 1) * len];
+        let (column, pmf_column, x) = sample_cdf(self.conditional_cdf(row), guide, u.x);
         CellSample { cell: [column, row], within: Vec2::new(x, y), pmf: pmf_row * pmf_column }
     }
     /// Probability of a cell; zero outside the grid.
@@ -165,12 +177,37 @@ fn push_cdf(cdf: &mut Vec<f32>, weights: &[f32]) -> f64 {
     total / n as f64
 }
 
+/// Bins to an entry of a guide table, about: a cache line of them.
+const BINS_PER_GUIDE: usize = 8;
+
+/// Length of the guide table over so many bins: a power of two, so that numbers fall exactly between its entries, and
+/// one more.
+fn guide_len(bins: usize) -> usize {
+    bins.div_ceil(BINS_PER_GUIDE).next_power_of_two() + 1
+}
+
+/// Appends the bins that hold 0, 1/n, 2/n … 1, of a table of n parts.
+fn push_guide(guide: &mut Vec<u32>, cdf: &[f32]) {
+    let parts = guide_len(cdf.len() - 1) - 1;
+    let mut bin = 0;
+    for part in 0..parts {
+        let u = part as f32 / parts as f32;
+        while bin + 2 < cdf.len() && cdf[bin + 1] <= u {
+            bin += 1;
+        }
+        guide.push(bin as u32);
+    }
+    guide.push(cdf.len() as u32 - 2);
+}
+
 /// The bin that holds `u`, its width, and the position of `u` within it.
 #[inline]
-fn sample_cdf(cdf: &[f32], u: f32) -> (usize, f32, f32) {
+fn sample_cdf(cdf: &[f32], guide: &[u32], u: f32) -> (usize, f32, f32) {
     let u = if u >= 0.0 { u.min(ONE_MINUS_EPSILON) } else { 0.0 };
+    let part = (u * (guide.len() - 1) as f32) as usize;
+    let [first, last] = [guide[part] as usize, guide[part + 1] as usize];
     // The last entry is 1 > u and the first 0 <= u, so the bin exists and has positive width.
-    let bin = cdf.partition_point(|&c| c <= u).saturating_sub(1).min(cdf.len() - 2);
+    let bin = first + cdf[first + 1..last + 1].partition_point(|&c| c <= u);
     let (start, width) = (cdf[bin], cdf[bin + 1] - cdf[bin]);
     (bin, width, ((u - start) / width).min(ONE_MINUS_EPSILON))
 }
@@ -203,6 +240,25 @@ mod tests {
             let (bin, pmf, rest) = d.sample_discrete(u);
             assert!(weights[bin] > 0.0 && pmf > 0.0 && (0.0..1.0).contains(&rest), "{u}: bin {bin}, {pmf}, {rest}");
             assert_eq!(pmf, d.pmf(bin));
+        }
+    }
+
+    #[test]
+    fn the_guide_finds_what_a_search_of_the_whole_table_finds() {
+        let mut state = 9u32;
+        let mut number = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for bins in [1, 2, 7, 8, 9, 64, 1000, 1024] {
+            let empty = [0.0, 0.6, 0.95][bins % 3];
+            let weights: Vec<f32> = (0..bins).map(|_| if number() < empty { 0.0 } else { number().powi(9) }).collect();
+            let d = Distribution1D::new(&weights);
+            let edges = d.cdf.iter().flat_map(|c| [*c, c.next_down(), c.next_up()]);
+            for u in edges.chain((0..2000).map(|i| i as f32 / 2000.0)).map(|u| u.clamp(0.0, ONE_MINUS_EPSILON)) {
+                let searched = d.cdf.partition_point(|c| *c <= u) - 1;
+                assert_eq!(d.sample_discrete(u).0, searched, "{bins} bins at {u}");
+            }
         }
     }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::Vec2;
 use umber_math::{Rgb, Vector3};
 use umber_sampling::Distribution2D;
+use wide::f32x4;
 
 use crate::image_file::{ImageError, LinearImage};
 use crate::texels::{Sides, Texels};
@@ -37,6 +38,10 @@ impl TextureFormat {
         if is_cross { Self::CubeMapVerticalCross } else { Self::LatLong }
     }
 }
+
+/// Where an [`EnvironmentMap`]'s image shows a direction: from 0 to 1 to the right and down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImagePlace(Vec2);
 
 /// Radiance over all directions, from an image: bilinear between pixel centres.
 ///
@@ -122,9 +127,19 @@ impl EnvironmentMap {
     /// Radiance from a direction, unit, in the map's space.
     #[inline]
     pub fn radiance(&self, w: Vector3) -> Rgb {
+        self.radiance_at(self.place_of(w))
+    }
+    /// Where the image shows a direction, unit, in the map's space.
+    #[inline]
+    pub fn place_of(&self, w: Vector3) -> ImagePlace {
+        ImagePlace(self.projection.map_or_else(|| uv_of(w), |p| p.uv(w)))
+    }
+    /// Radiance from the direction that is shown at a place.
+    #[inline]
+    pub fn radiance_at(&self, ImagePlace(uv): ImagePlace) -> Rgb {
         match self.projection {
-            None => self.texels.at(uv_of(w) * self.texels.size(), Sides::Wrap),
-            Some(p) => self.texels.at(p.place(p.uv(w), self.texels.size()), Sides::Clamp),
+            None => self.texels.at(uv * self.texels.size(), Sides::Wrap),
+            Some(p) => self.texels.at(p.place(uv, self.texels.size()), Sides::Clamp),
         }
     }
     /// A direction, its radiance, and its density: constant by solid angle over each pixel of a latitude-longitude
@@ -148,7 +163,11 @@ impl EnvironmentMap {
     /// Density by solid angle with which [`EnvironmentMap::sample`] makes a direction, unit, in the map's space.
     #[inline]
     pub fn pdf_solid_angle(&self, w: Vector3) -> f32 {
-        let uv = self.projection.map_or_else(|| uv_of(w), |p| p.uv(w));
+        self.pdf_at(self.place_of(w))
+    }
+    /// The same for the direction that is shown at a place.
+    #[inline]
+    pub fn pdf_at(&self, ImagePlace(uv): ImagePlace) -> f32 {
         let column = ((uv.x * self.texels.width as f32) as usize).min(self.texels.width - 1);
         let row = ((uv.y * self.texels.height as f32) as usize).min(self.texels.height - 1);
         let pmf = self.distribution.pmf([column, row]);
@@ -177,8 +196,9 @@ impl EnvironmentMap {
 /// Image coordinates of a direction in a latitude-longitude map, u to the right and v down, 0 … 1.
 #[inline]
 fn uv_of(w: Vector3) -> Vec2 {
-    let longitude = w.x().atan2(w.z());
-    // From the horizontal part too: the arc cosine alone is inexact near the poles.
-    let polar = w.x().hypot(w.z()).atan2(w.y());
+    let horizontal = (w.x() * w.x() + w.z() * w.z()).sqrt();
+    // The polar angle from the horizontal part too: the arc cosine alone is inexact near the poles.
+    let (opposite, adjacent) = ([w.x(), horizontal, 0.0, 0.0], [w.z(), w.y(), 1.0, 1.0]);
+    let [longitude, polar, ..] = f32x4::new(opposite).atan2(f32x4::new(adjacent)).to_array();
     Vec2::new((0.5 - longitude / TAU).clamp(0.0, 1.0), polar / PI)
 }

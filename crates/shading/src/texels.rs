@@ -26,12 +26,16 @@ pub(crate) enum Sides {
 }
 
 impl Sides {
+    /// The column that stands for one of the image or next to it.
     #[inline]
     fn column(self, x: isize, width: usize) -> usize {
-        match self {
-            Self::Wrap => x.rem_euclid(width as isize) as usize,
-            Self::Clamp => x.clamp(0, width as isize - 1) as usize,
-        }
+        let width = width as isize;
+        let x = match self {
+            Self::Wrap if x < 0 => x + width,
+            Self::Wrap if x >= width => x - width,
+            Self::Wrap | Self::Clamp => x,
+        };
+        x.clamp(0, width - 1) as usize
     }
 }
 

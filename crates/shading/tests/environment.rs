@@ -21,7 +21,7 @@ fn dome(map: EnvironmentMap, render_from_light: DAffine3) -> Light {
 }
 
 fn towards(l: &Light, x: f32, y: f32, z: f32) -> Rgb {
-    l.radiance_from_infinity(Vector3::new(x, y, z).normalized()).unwrap()
+    l.from_infinity(Vector3::new(x, y, z).normalized()).unwrap().radiance
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn sampling_finds_the_irradiance_of_a_small_sun() {
             brightest = (f / s.pdf_solid_angle).max(brightest);
         }
         let w = umber_sampling::warp::uniform_sphere(u);
-        mean += l.radiance_from_infinity(w).unwrap().0.x * w.y().max(0.0) * 4.0 * PI;
+        mean += l.from_infinity(w).unwrap().radiance.0.x * w.y().max(0.0) * 4.0 * PI;
     }
     let (sampled, mean) = (sampled / n as f32, mean / n as f32);
     // At the outer corner of a diagonal neighbour the tent is a quarter, its mean over that pixel a 64th.

@@ -36,7 +36,7 @@ fn irradiance(l: &Light, p: Point3, n: Normal3, samples: u32) -> (f32, f32) {
             sampled += f64::from(s.radiance.0.x * s.wi.dot_normal(n).max(0.0) / s.pdf_solid_angle);
         }
         let w = umber_sampling::warp::uniform_sphere(s.next_2d());
-        let hit = l.intersect(&Ray::new(p, w)).map(|h| h.radiance).or(l.radiance_from_infinity(w));
+        let hit = l.intersect(&Ray::new(p, w)).map(|h| h.radiance).or(l.from_infinity(w).map(|f| f.radiance));
         cast += f64::from(hit.map_or(0.0, |r| r.0.x) * w.dot_normal(n).max(0.0) * 4.0 * PI);
     }
     ((sampled / f64::from(samples)) as f32, (cast / f64::from(samples)) as f32)
@@ -107,11 +107,11 @@ fn irradiance_of_distant_and_dome_lights_is_the_analytic_one() {
         let s = light(&p).sample(Point3::ZERO, Vec2::splat(0.1)).unwrap();
         assert!(s.is_delta && s.radiance == Rgb::splat(3.0) && s.pdf_solid_angle == 1.0 && s.distance == f32::INFINITY);
         assert!((s.wi - UP.as_vector()).length() < 1e-6);
-        assert!(light(&p).radiance_from_infinity(s.wi).is_none());
+        assert!(light(&p).from_infinity(s.wi).is_none());
     }
     let wide = LightParams { normalize: true, ..distant(300.0) };
     let size = (2.0 - 150f32.to_radians().sin().powi(2)) * PI;
-    assert!(close(light(&wide).radiance_from_infinity(UP.as_vector()).unwrap().0.x, 1.0 / size, 1e-5));
+    assert!(close(light(&wide).from_infinity(UP.as_vector()).unwrap().radiance.0.x, 1.0 / size, 1e-5));
     let (sampled, cast) = irradiance(&light(&params(LightKind::Dome { texture: None })), Point3::ZERO, UP, 1 << 14);
     assert!(close(sampled, PI, 2e-3) && close(cast, PI, 2e-3), "{sampled} {cast}");
 }

@@ -138,8 +138,9 @@ fn from_infinity(scene: &RenderScene, wi: Vector3, origin: Origin) -> (Rgb, bool
         {
             continue;
         }
-        if let Some(radiance) = of_light.radiance_from_infinity(wi) {
-            sum += radiance * weight_of_found(scene, light, origin, |r| of_light.pdf_solid_angle(r.point, wi));
+        if let Some(found) = of_light.from_infinity(wi) {
+            let density = |r: &Receiver| of_light.pdf_from_infinity(r.point, &found);
+            sum += found.radiance * weight_of_found(scene, light, origin, density);
             seen = true;
         }
     }

@@ -9,7 +9,7 @@ use umber_sampling::warp;
 use super::LightSample;
 use super::params::{Emission, LightParams, LightProblem};
 use super::portal::Portals;
-use crate::EnvironmentMap;
+use crate::{EnvironmentMap, ImagePlace};
 
 /// A light that surrounds the scene. `normalize` has no effect on it.
 ///
@@ -65,32 +65,42 @@ impl DomeLight {
     }
     #[inline]
     pub(crate) fn pdf_solid_angle(&self, p: Point3, wi: Vector3) -> f32 {
+        self.pdf_at(p, wi, self.place_of(wi))
+    }
+    /// The same of a direction whose place in the map is known.
+    #[inline]
+    pub(super) fn pdf_at(&self, p: Point3, wi: Vector3, place: ImagePlace) -> f32 {
+        let pdf_all = self.pdf_all_at(place);
         match &self.portals {
-            None => self.pdf_all(wi),
-            Some(portals) => portals.pdf_solid_angle(self, p, wi),
+            None => pdf_all,
+            Some(portals) => portals.pdf_solid_angle(pdf_all, p, wi),
         }
     }
     /// As if there were no portals.
     #[inline]
-    pub(super) fn pdf_all(&self, wi: Vector3) -> f32 {
+    pub(super) fn pdf_all_at(&self, place: ImagePlace) -> f32 {
         match &self.texture {
-            Some(map) => map.pdf_solid_angle(self.to_light(wi)),
+            Some(map) => map.pdf_at(place),
             None => warp::UNIFORM_SPHERE_PDF_SOLID_ANGLE,
         }
     }
+    /// Where the map, if there is one, shows a direction.
     #[inline]
-    pub(crate) fn radiance(&self, wi: Vector3) -> Rgb {
+    pub(super) fn place_of(&self, wi: Vector3) -> ImagePlace {
         match &self.texture {
-            Some(map) => self.emission.radiance * map.radiance(self.to_light(wi)),
+            Some(map) => map.place_of(Vector3(self.render_from_light.transpose() * wi.0)),
+            None => ImagePlace::default(),
+        }
+    }
+    #[inline]
+    pub(super) fn radiance_at(&self, place: ImagePlace) -> Rgb {
+        match &self.texture {
+            Some(map) => self.emission.radiance * map.radiance_at(place),
             None => self.emission.radiance,
         }
     }
     pub(super) fn has_texture(&self) -> bool {
         self.texture.is_some()
-    }
-    #[inline]
-    fn to_light(&self, wi: Vector3) -> Vector3 {
-        Vector3(self.render_from_light.transpose() * wi.0)
     }
     /// Mean radiance over all directions.
     pub(crate) fn mean_radiance(&self) -> Rgb {

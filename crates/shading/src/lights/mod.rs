@@ -28,6 +28,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2};
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
+use crate::ImagePlace;
 use cluster::Cone;
 pub use cylinder::CylinderLight;
 pub use disk::DiskLight;
@@ -86,6 +87,17 @@ pub struct LightHit {
     pub radiance: Rgb,
     /// Whether it is a side that emits; also where a texture is black there.
     pub is_front: bool,
+}
+
+/// Light that arrives from a distant or dome light.
+#[derive(Clone, Copy, Debug)]
+pub struct FromInfinity {
+    /// Unit, towards the light.
+    wi: Vector3,
+    /// Radiance.
+    pub radiance: Rgb,
+    /// Where a dome's map shows it.
+    place: ImagePlace,
 }
 
 /// A light.
@@ -190,13 +202,26 @@ impl Light {
         }
         Some(hit)
     }
-    /// Radiance that arrives along `wi`, unit, from a distant or dome light; `None` where it sends none that way.
+    /// What arrives along `wi`, unit, from a distant or dome light; `None` where it sends nothing that way.
     #[inline]
-    pub fn radiance_from_infinity(&self, wi: Vector3) -> Option<Rgb> {
+    pub fn from_infinity(&self, wi: Vector3) -> Option<FromInfinity> {
         match self {
-            Self::Distant(l) => l.radiance(wi),
-            Self::Dome(l) => Some(l.radiance(wi)),
+            Self::Distant(l) => {
+                l.radiance(wi).map(|radiance| FromInfinity { wi, radiance, place: ImagePlace::default() })
+            }
+            Self::Dome(l) => {
+                let place = l.place_of(wi);
+                Some(FromInfinity { wi, radiance: l.radiance_at(place), place })
+            }
             Self::Rect(_) | Self::Sphere(_) | Self::Disk(_) | Self::Cylinder(_) | Self::Mesh(_) => None,
+        }
+    }
+    /// As [`Light::pdf_solid_angle`], of what this light sends from infinity.
+    #[inline]
+    pub fn pdf_from_infinity(&self, p: Point3, found: &FromInfinity) -> f32 {
+        match self {
+            Self::Dome(l) => l.pdf_at(p, found.wi, found.place),
+            _ => self.pdf_solid_angle(p, found.wi),
         }
     }
     /// Luminance of the flux that the light sends into a scene of the given radius, an estimate.

@@ -102,15 +102,15 @@ impl Portals {
         let through = portal.sample(p, Vec2::new(within, u.y))?;
         // the rounded direction may just miss its own portal: the density is known without asking
         let pdf_portals = size / total * through.pdf_solid_angle + self.pdf_through(p, through.wi, total, Some(index));
-        let pdf_solid_angle = share * dome.pdf_all(through.wi) + rest * pdf_portals;
-        let radiance = dome.radiance(through.wi);
+        let place = dome.place_of(through.wi);
+        let pdf_solid_angle = share * dome.pdf_all_at(place) + rest * pdf_portals;
+        let radiance = dome.radiance_at(place);
         Some(LightSample { radiance, pdf_solid_angle, distance: f32::INFINITY, ..through })
     }
 
-    /// Density with which [`Portals::sample`] makes a direction.
+    /// Density with which [`Portals::sample`] makes a direction that the dome makes with density `pdf_dome`.
     #[inline]
-    pub(crate) fn pdf_solid_angle(&self, dome: &DomeLight, p: Point3, wi: Vector3) -> f32 {
-        let pdf_dome = dome.pdf_all(wi);
+    pub(crate) fn pdf_solid_angle(&self, pdf_dome: f32, p: Point3, wi: Vector3) -> f32 {
         let Some(total) = self.total(p) else { return pdf_dome };
         self.dome_share * pdf_dome + (1.0 - self.dome_share) * self.pdf_through(p, wi, total, None)
     }
