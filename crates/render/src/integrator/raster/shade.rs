@@ -94,8 +94,8 @@ impl Row {
             let cos = (nx[i] * d.x + ny[i] * d.y + nz[i] * d.z).abs() / squared.sqrt();
             // what is not a number faces nothing
             let cos = if cos > 0.0 { cos.min(1.0) } else { 0.0 };
-            for channel in 0..3 {
-                radiance[channel][i] = self.bases[channel][i] * cos + self.emissions[channel][i];
+            for ((radiance, base), emission) in radiance.iter_mut().zip(&self.bases).zip(&self.emissions) {
+                radiance[i] = base[i] * cos + emission[i];
             }
         }
         radiance
