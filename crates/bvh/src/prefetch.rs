@@ -6,9 +6,10 @@ const LINE: usize = 64;
 /// Asks for all of a slice: what is done meanwhile does not wait for it.
 #[inline(always)]
 pub fn prefetch<T>(slice: &[T]) {
-    let bytes = size_of_val(slice);
-    for offset in (0..bytes).step_by(LINE) {
-        line(slice.as_ptr().cast::<u8>().wrapping_add(offset));
+    let start = slice.as_ptr().cast::<u8>();
+    let in_line = start.addr() % LINE;
+    for offset in (0..in_line + size_of_val(slice)).step_by(LINE) {
+        line(start.wrapping_sub(in_line).wrapping_add(offset));
     }
 }
 

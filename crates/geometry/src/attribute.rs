@@ -78,7 +78,7 @@ impl<T: AttributeValue> Attribute<T> {
         self.of_indices(self.indices_at_vertices(mesh, triangle))
     }
 
-    /// Which values those are; `None` where the mesh lacks the triangle.
+    /// Indices of the values at a triangle's vertices; `None` where the mesh lacks the triangle.
     #[inline]
     pub fn indices_at_vertices(&self, mesh: &TriangleMesh, triangle: u32) -> Option<[u32; 3]> {
         let t = triangle as usize;

@@ -26,7 +26,7 @@ pub struct Cluster<'a> {
 }
 
 impl Cluster<'_> {
-    /// Asks for what drawing it reads.
+    /// Asks for its points and corners, which drawing it reads.
     #[inline(always)]
     pub fn prefetch(&self) {
         prefetch(self.points);

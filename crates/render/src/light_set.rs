@@ -98,7 +98,7 @@ impl LightSet {
 
     /// Those of some lights that have a place and a size; `None` where they are too many to be tried one by one.
     pub fn few_shapes(&self, among: impl Fn(u32) -> bool) -> Option<Box<[u32]>> {
-        let shapes: Box<[u32]> = self.shapes.iter().copied().filter(|light| among(*light)).collect();
+        let shapes: Box<[u32]> = self.shapes.iter().copied().filter(|light| among(*light)).take(FEW + 1).collect();
         (shapes.len() <= FEW).then_some(shapes)
     }
 
@@ -119,15 +119,16 @@ impl LightSet {
         nearest
     }
 
-    /// The same, among [`few_shapes`](Self::few_shapes).
+    /// The same, among [`few_shapes`](Self::few_shapes). Of shapes that lie in one another the first is met, as where
+    /// all are few; a hierarchy may come to another one first.
     #[inline]
     pub fn intersect_few(&self, ray: &Ray, shapes: &[u32]) -> Option<ShapeHit> {
         let mut nearest = None;
-        each_of(shapes, ray, |light, t_max| self.meet(light, &Ray { t_max, ..*ray }, false, &mut nearest));
+        each_of(shapes, ray.t_max, |light, t_max| self.meet(light, &Ray { t_max, ..*ray }, false, &mut nearest));
         nearest
     }
 
-    /// Where a ray meets a light, that becomes the nearest.
+    /// Sets the nearest shape where a ray meets a light. Gives the ray's new end.
     #[inline]
     fn meet(&self, index: u32, ray: &Ray, camera: bool, nearest: &mut Option<ShapeHit>) -> Option<f32> {
         let light = &self.lights[index as usize];
@@ -149,7 +150,7 @@ impl LightSet {
             return false;
         }
         let mut occluded = false;
-        self.each_shape(ray, |light, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded));
+        self.each_shape(ray, |light, t_max| self.find_occluder(light, &Ray { t_max, ..*ray }, target, &mut occluded));
         occluded
     }
 
@@ -157,8 +158,8 @@ impl LightSet {
     #[inline]
     pub fn occluded_among(&self, ray: &Ray, target: u32, among: impl Fn(u32) -> bool) -> bool {
         let mut occluded = false;
-        let hide = |light: u32, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded);
-        self.each_shape(ray, only(among, hide));
+        let find = |light: u32, t_max| self.find_occluder(light, &Ray { t_max, ..*ray }, target, &mut occluded);
+        self.each_shape(ray, only(among, find));
         occluded
     }
 
@@ -169,13 +170,15 @@ impl LightSet {
             return false;
         }
         let mut occluded = false;
-        each_of(shapes, ray, |light, t_max| self.hide(light, &Ray { t_max, ..*ray }, target, &mut occluded));
+        each_of(shapes, ray.t_max, |light, t_max| {
+            self.find_occluder(light, &Ray { t_max, ..*ray }, target, &mut occluded)
+        });
         occluded
     }
 
-    /// Whether a light other than `target` is on a ray, if none was before.
+    /// Sets `occluded` where a ray, if nothing was on it so far, meets a light other than `target`. Gives its new end.
     #[inline]
-    fn hide(&self, light: u32, ray: &Ray, target: u32, occluded: &mut bool) -> Option<f32> {
+    fn find_occluder(&self, light: u32, ray: &Ray, target: u32, occluded: &mut bool) -> Option<f32> {
         if *occluded || light == target {
             return None;
         }
@@ -190,7 +193,7 @@ impl LightSet {
         if self.shapes.len() > FEW {
             self.shapes_bvh.traverse(ray, |slot, t_max| visit(self.shapes[slot as usize], t_max));
         } else {
-            each_of(&self.shapes, ray, visit);
+            each_of(&self.shapes, ray.t_max, visit);
         }
     }
 
@@ -208,10 +211,9 @@ impl LightSet {
     }
 }
 
-/// Calls `visit` for some lights, as [`LightSet::each_shape`].
+/// Calls `visit` for some lights, as [`LightSet::each_shape`]. `end`: the ray's.
 #[inline]
-fn each_of(shapes: &[u32], ray: &Ray, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
-    let mut end = ray.t_max;
+fn each_of(shapes: &[u32], mut end: f32, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
     for &light in shapes {
         end = visit(light, end).unwrap_or(end);
     }

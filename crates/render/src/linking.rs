@@ -82,6 +82,17 @@ impl Set {
             Link::Nothing => false,
         }
     }
+    /// Whether a light reaches it. `links`: of the lights that a host links.
+    #[inline]
+    fn is_lit(&self, links: &[[Link; 2]], light: u32) -> bool {
+        self.has(of_light(links, light)[0])
+    }
+}
+
+/// What a light illuminates, and what casts shadows in its light. Lights that no host links reach all.
+#[inline]
+fn of_light(links: &[[Link; 2]], light: u32) -> [Link; 2] {
+    links.get(light as usize).copied().unwrap_or([Link::All; 2])
 }
 
 impl Linking {
@@ -122,7 +133,7 @@ impl Linking {
             return None;
         }
         for set in &mut sets {
-            set.shapes = lights.few_shapes(|light| links.get(light as usize).is_none_or(|link| set.has(link[0])));
+            set.shapes = lights.few_shapes(|light| set.is_lit(&links, light));
         }
         let choosers = choosers(&mut sets, &links, lights);
         let of_instance = membership.map(|m| m.of_instance.clone()).unwrap_or_default();
@@ -138,14 +149,13 @@ impl Linking {
         let outermost = hit.path.as_slice().first().and_then(|index| self.of_instance.get(*index as usize));
         Links(outermost.copied().unwrap_or(0))
     }
-    /// What a light illuminates, and what casts shadows in its light. Lights that no host links reach all.
     #[inline]
     fn of_light(&self, light: u32) -> [Link; 2] {
-        self.lights.get(light as usize).copied().unwrap_or([Link::All; 2])
+        of_light(&self.lights, light)
     }
     #[inline]
     fn is_lit(&self, links: Links, light: u32) -> bool {
-        self.sets[links.0 as usize].has(self.of_light(light)[0])
+        self.sets[links.0 as usize].is_lit(&self.lights, light)
     }
     /// The lights with a place and a size that reach a surface, where those are few.
     #[inline]
@@ -164,7 +174,7 @@ fn choosers(sets: &mut [Set], links: &[[Link; 2]], lights: &LightSet) -> Vec<Cho
     let mut choosers: Vec<Chooser> = Vec::new();
     let mut known: HashMap<Vec<u32>, u32> = HashMap::new();
     for set in sets {
-        let reaches = |light: &u32| links.get(*light as usize).is_none_or(|link| set.has(link[0]));
+        let reaches = |light: &u32| set.is_lit(links, *light);
         let reaching: Vec<u32> = (0..count as u32).filter(reaches).collect();
         if reaching.len() == count {
             continue;

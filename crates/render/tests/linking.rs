@@ -117,6 +117,32 @@ fn linked_lights_are_as_lights_of_scenes_of_their_own() {
     assert!(suns.iter().all(|mean| *mean > 0.01), "nothing is lit: {suns:?}");
 }
 
+/// Many lights, of which few reach one cube: on it, every pixel is as if the others were not there at all, bit by bit.
+#[test]
+fn few_of_many_lights_are_as_lights_of_a_scene_of_their_own() {
+    let lamp = |i: usize| {
+        let kind = LightKind::Sphere { radius: 0.7, treat_as_point: false };
+        Light {
+            world_from_light: at(1.6 * i as f64 - 6.4, 1.0, 9.0 + (i % 3) as f64),
+            intensity: 9.0,
+            ..Light::new(kind)
+        }
+    };
+    let render = |others: bool| {
+        let session = cubes(16, &glossy());
+        for i in (0..9).filter(|i| others || i % 4 == 1) {
+            let category = if i % 4 == 1 { "l" } else { "r" };
+            light(&session, &format!("/lamp{i}"), linked(lamp(i), category));
+        }
+        finish(&session);
+        session
+    };
+    let (many, few) = (render(true), render(false));
+    let left = inside(&many, 1);
+    assert_eq!(at_pixels(&many, &left), at_pixels(&few, &left));
+    assert!(mean(&at_pixels(&many, &left)) > 0.01);
+}
+
 /// Many lights, more than are weighed one by one: sums of pictures, in the mean.
 #[test]
 fn many_linked_lights_add_up() {

@@ -10,6 +10,7 @@ use glam::Vec2;
 pub struct Distribution1D {
     /// Cumulative probabilities, from 0 to 1, one more than there are bins.
     cdf: Vec<f32>,
+    /// Where bins of the table start, see [`push_guide`].
     guide: Vec<u32>,
     integral: f64,
 }
@@ -81,7 +82,7 @@ pub struct Distribution2D {
     rows: Distribution1D,
     /// Row by row, `columns + 1` cumulative probabilities each.
     conditional: Vec<f32>,
-    /// Row by row, as many entries each.
+    /// Row by row, the guide tables, [`guide_len`] of `columns` entries each.
     guides: Vec<u32>,
 }
 
@@ -177,7 +178,7 @@ fn push_cdf(cdf: &mut Vec<f32>, weights: &[f32]) -> f64 {
     total / n as f64
 }
 
-/// Bins to an entry of a guide table, about: a cache line of them.
+/// Bins to an entry of a guide table, at most.
 const BINS_PER_GUIDE: usize = 8;
 
 /// Length of the guide table over so many bins: a power of two, so that numbers fall exactly between its entries, and
@@ -186,7 +187,7 @@ fn guide_len(bins: usize) -> usize {
     bins.div_ceil(BINS_PER_GUIDE).next_power_of_two() + 1
 }
 
-/// Appends the bins that hold 0, 1/n, 2/n … 1, of a table of n parts.
+/// Appends the bins that hold 0, 1/n, 2/n … (n − 1)/n, and the last bin.
 fn push_guide(guide: &mut Vec<u32>, cdf: &[f32]) {
     let parts = guide_len(cdf.len() - 1) - 1;
     let mut bin = 0;

@@ -41,7 +41,7 @@ impl TextureFormat {
 
 /// Where an [`EnvironmentMap`]'s image shows a direction: from 0 to 1 to the right and down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ImagePlace(Vec2);
+pub(crate) struct ImagePlace(Vec2);
 
 /// Radiance over all directions, from an image: bilinear between pixel centres.
 ///
@@ -131,12 +131,12 @@ impl EnvironmentMap {
     }
     /// Where the image shows a direction, unit, in the map's space.
     #[inline]
-    pub fn place_of(&self, w: Vector3) -> ImagePlace {
+    pub(crate) fn place_of(&self, w: Vector3) -> ImagePlace {
         ImagePlace(self.projection.map_or_else(|| uv_of(w), |p| p.uv(w)))
     }
     /// Radiance from the direction that is shown at a place.
     #[inline]
-    pub fn radiance_at(&self, ImagePlace(uv): ImagePlace) -> Rgb {
+    pub(crate) fn radiance_at(&self, ImagePlace(uv): ImagePlace) -> Rgb {
         match self.projection {
             None => self.texels.at(uv * self.texels.size(), Sides::Wrap),
             Some(p) => self.texels.at(p.place(uv, self.texels.size()), Sides::Clamp),
@@ -167,7 +167,7 @@ impl EnvironmentMap {
     }
     /// The same for the direction that is shown at a place.
     #[inline]
-    pub fn pdf_at(&self, ImagePlace(uv): ImagePlace) -> f32 {
+    pub(crate) fn pdf_at(&self, ImagePlace(uv): ImagePlace) -> f32 {
         let column = ((uv.x * self.texels.width as f32) as usize).min(self.texels.width - 1);
         let row = ((uv.y * self.texels.height as f32) as usize).min(self.texels.height - 1);
         let pmf = self.distribution.pmf([column, row]);

@@ -14,7 +14,7 @@ mod preview_surface;
 mod texels;
 
 pub use bsdf::{Bsdf, BsdfEval, BsdfSample, DELTA_ALPHA, LobeKind, Lobes};
-pub use environment::{EnvironmentMap, ImagePlace, TextureFormat};
+pub use environment::{EnvironmentMap, TextureFormat};
 pub use ies::{IesError, IesProfile};
 pub use image_file::{ImageError, LinearImage};
 pub use lights::{

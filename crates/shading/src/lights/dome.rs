@@ -9,7 +9,7 @@ use umber_sampling::warp;
 use super::LightSample;
 use super::params::{Emission, LightParams, LightProblem};
 use super::portal::Portals;
-use crate::{EnvironmentMap, ImagePlace};
+use crate::environment::{EnvironmentMap, ImagePlace};
 
 /// A light that surrounds the scene. `normalize` has no effect on it.
 ///

@@ -28,7 +28,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2};
 use umber_math::{Bounds3, Point3, Ray, Rgb, Vector3};
 
-use crate::ImagePlace;
+use crate::environment::ImagePlace;
 use cluster::Cone;
 pub use cylinder::CylinderLight;
 pub use disk::DiskLight;

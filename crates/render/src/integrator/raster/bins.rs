@@ -15,7 +15,7 @@ use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
 
 /// Clusters that one thread looks at, at a time.
-const PIECE: usize = 256;
+const RUN: usize = 256;
 
 /// A cluster of a placement, in a square that it may be seen in.
 #[derive(Clone, Copy, Debug, Default)]
@@ -110,16 +110,16 @@ impl Bins {
     pub fn new(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &Stop<'_>) -> Self {
         // here, where all threads are at work
         placements.par_iter().filter(|_| !stop.now()).for_each(|placement| _ = placement.mesh(scene).shape.clusters());
-        let pieces: Vec<(usize, Range<usize>)> = (0..placements.len())
+        let runs: Vec<(usize, Range<usize>)> = (0..placements.len())
             .filter(|_| !stop.now())
             .flat_map(|placement| {
                 let count = placements[placement].mesh(scene).shape.clusters().len();
-                let ranges = (0..count).step_by(PIECE).map(move |start| start..(start + PIECE).min(count));
+                let ranges = (0..count).step_by(RUN).map(move |start| start..(start + RUN).min(count));
                 ranges.map(move |clusters| (placement, clusters))
             })
             .collect();
         let found = |(placement, clusters): &(usize, Range<usize>)| {
-            let mut found = Vec::with_capacity(if stop.now() { 0 } else { 2 * PIECE });
+            let mut found = Vec::with_capacity(if stop.now() { 0 } else { 2 * RUN });
             if !stop.now() {
                 let reaches = Reaches { scene, grid, placement: &placements[*placement], clusters: clusters.clone() };
                 for (cluster, reach) in Arch::new().dispatch(reaches) {
@@ -129,7 +129,7 @@ impl Bins {
             }
             found
         };
-        let found: Vec<Vec<(usize, Entry)>> = pieces.par_iter().map(found).collect();
+        let found: Vec<Vec<(usize, Entry)>> = runs.par_iter().map(found).collect();
         Self::sorted(Square::counts(grid).into_iter().product(), &found)
     }
 

@@ -101,7 +101,6 @@ impl Edge {
 }
 
 /// The edge functions of a triangle at some pixels of a row.
-#[derive(Clone, Copy)]
 struct Lanes {
     values: [i64; 3],
     across: [i64; 3],

@@ -3,6 +3,7 @@
 use umber_math::{DAffine3, DVec2, DVec3, Point3, Vec3};
 use umber_scene::Projection;
 
+use super::square;
 use crate::camera::View;
 use crate::clusters::{LANES, PointBlock};
 
@@ -10,6 +11,9 @@ use crate::clusters::{LANES, PointBlock};
 const COORDINATE_BITS: u32 = 29;
 /// Less than any coordinate on the grid.
 const OFF: i32 = -1 << (COORDINATE_BITS + 1);
+/// Edges no longer than this, grid units, have edge functions of 52 bits, and half a step more of them fits in a
+/// floating-point number.
+const MOST_SHORT: i32 = 1 << 25;
 /// Added to a number of less than 32 bits, it leaves its nearest integer in the lowest bits.
 pub const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Least weight of a homogeneous position: what is nearer to the eye is cut off.
@@ -108,14 +112,15 @@ impl Grid {
         let is_perspective = view.projection == Projection::Perspective;
         let near = (view.near * NEAR_SLACK).max(if is_perspective { LEAST_DISTANCE } else { 0.0 });
         let subpixel_bits = COORDINATE_BITS - guard_bits;
-        // of an edge of l pixels, and what is l + 8 pixels away, no more than 2 l (l + 8) grid units
+        // of an edge of l pixels, and what is l + n pixels away, no more than 2 l (l + n) grid units
+        let n = square::LANES as f64;
         let unit = f64::from(1u32 << subpixel_bits);
-        let short = (16.0 + f64::from(1u32 << 29) / unit).sqrt() - 4.0;
+        let short = (0.25 * n * n + f64::from(1u32 << 29) / unit).sqrt() - 0.5 * n;
         Self {
             width: width as i32,
             height: height as i32,
             subpixel_bits,
-            short: (short * unit) as i32,
+            short: ((short * unit) as i32).min(MOST_SHORT),
             guard: f64::from(1u32 << guard_bits),
             is_perspective,
             near,

@@ -26,8 +26,9 @@ pub struct Shader<'a> {
     directions: Directions,
     /// Numbers of what is seen in the tile, with the pixels where it was first seen.
     found: Vec<(u32, [i32; 2])>,
-    /// What they are, and the shading normals of their corners.
+    /// What they are.
     seen: Vec<(Seen<'a>, [i32; 2])>,
+    /// The shading normals of their corners, by index and by value.
     normal_indices: Vec<Option<[u32; 3]>>,
     normals: Vec<Option<[Vec3; 3]>>,
     /// The same triangles, ready to be shaded.
@@ -113,6 +114,9 @@ impl<'a> Shader<'a> {
     }
 
     /// Finds what is seen in a tile. False where nothing is.
+    ///
+    /// Step by step for all of it: each step reads far memory that the step before has named, and waits for much of it
+    /// at once.
     pub fn look(&mut self, square: &Square, pieces: &[Piece<'a>], rect: TileRect) -> bool {
         self.find(square, rect);
         self.seen.clear();
@@ -131,7 +135,7 @@ impl<'a> Shader<'a> {
         !self.triangles.is_empty()
     }
 
-    /// Finds which triangle is seen at each pixel, and which they are.
+    /// Fills `which` and `found`.
     fn find(&mut self, square: &Square, rect: TileRect) {
         let Self { found, which, .. } = self;
         found.clear();

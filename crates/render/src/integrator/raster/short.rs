@@ -25,7 +25,7 @@ pub struct Batch {
     /// First column and row of the film.
     column: Each<i32>,
     row: Each<i32>,
-    /// Whether there are more.
+    /// Whether the box holds the middles of other pixels too.
     has_more: Each<bool>,
 }
 
@@ -48,12 +48,13 @@ impl Batch {
 /// Triangles of a batch, ready to be drawn; see [`Triangle`](super::fill::Triangle) for what the numbers are.
 #[derive(Clone, Copy, Debug)]
 pub struct Short {
-    /// The longest side of an edge's box, grid units; beyond all where a corner is off the grid.
+    /// The longest side of an edge's box, grid units; more than [`Grid::short`] where a corner is off the grid.
     longest: Each<i32>,
     /// Twice the area, square grid units: negative where the corners go round clockwise.
     area: Each<f64>,
     /// Edge functions at the first pixel, pixels times grid units: not negative inside, whichever way corners go round.
     values: [Each<i32>; 3],
+    /// Their change by one pixel across, and one up.
     across: [Each<i32>; 3],
     up: [Each<i32>; 3],
     /// Nearness at the first pixel, and its change by one across and one up.
@@ -81,7 +82,8 @@ impl Short {
         };
         let unit = f64::from(1u32 << grid.subpixel_bits);
         let per_unit = 1.0 / unit;
-        // the integer nearest to what is half a step more than a half less than a whole number of steps: its floor
+        // of a whole number of steps per unit: the integer nearest to what is half less, and half a step more, is its
+        // floor, and never as near as another; see `Grid::short`
         let floor = 0.5 * per_unit - 0.5;
         let float = |v: i32| f64::from(v);
         for i in 0..BATCH {
@@ -196,8 +198,8 @@ struct Row {
     nearness: [f64; LANES],
     nearness_up: f64,
     most_nearness: f32,
-    /// Which row, from the first.
-    number: i32,
+    /// How many rows there were before.
+    rows: i32,
 }
 
 impl Row {
@@ -214,7 +216,7 @@ impl Row {
             *nearness = short.nearness[i] + short.nearness_across[i] * f64::from(column + lane);
         }
         let (nearness_up, most_nearness) = (short.nearness_up[i], short.most_nearness[i]);
-        Self { values, up: short.up.map(|up| up[i]), nearness, nearness_up, most_nearness, number: 0 }
+        Self { values, up: short.up.map(|up| up[i]), nearness, nearness_up, most_nearness, rows: 0 }
     }
     /// Goes to the next row.
     #[inline(always)]
@@ -224,7 +226,7 @@ impl Row {
                 *value += up;
             }
         }
-        self.number += 1;
+        self.rows += 1;
     }
     #[inline(always)]
     fn is_inside(&self, lane: usize) -> bool {
@@ -233,7 +235,7 @@ impl Row {
     }
     #[inline(always)]
     fn nearness(&self) -> [f32; LANES] {
-        let up = self.nearness_up * f64::from(self.number);
+        let up = self.nearness_up * f64::from(self.rows);
         self.nearness.map(|first| {
             let nearness = (first + up) as f32;
             if nearness < self.most_nearness { nearness } else { self.most_nearness }

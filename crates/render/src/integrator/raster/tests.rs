@@ -11,7 +11,7 @@ use super::clip::clip;
 use super::draw::Boxing;
 use super::fill::{Rules, Triangle};
 use super::project::{Grid, Homogeneous, Vertex};
-use super::short::{Batch, Short};
+use super::short::{BATCH, Batch, Short};
 use super::square::{NOTHING, Square};
 use crate::camera::RenderCamera;
 use crate::{Aov, BufferFormat, FilmDesc, Session};
@@ -19,6 +19,11 @@ use crate::{Aov, BufferFormat, FilmDesc, Session};
 const SIZE: usize = 80;
 
 fn grid(projection: Projection) -> Grid {
+    grid_of(projection, SIZE)
+}
+
+/// Of a film of so many pixels across and down.
+fn grid_of(projection: Projection, size: usize) -> Grid {
     let camera = Camera {
         projection,
         aperture: DVec2::ONE,
@@ -26,8 +31,8 @@ fn grid(projection: Projection) -> Grid {
         clipping_range: [0.1, 100.0],
         ..Camera::default()
     };
-    let film = FilmDesc::new(SIZE, SIZE, &[]);
-    Grid::new(RenderCamera::new(&camera, &film, DAffine3::IDENTITY).unwrap().view(), SIZE, SIZE)
+    let film = FilmDesc::new(size, size, &[]);
+    Grid::new(RenderCamera::new(&camera, &film, DAffine3::IDENTITY).unwrap().view(), size, size)
 }
 
 /// Of what is as near, the smaller number is seen.
@@ -39,41 +44,48 @@ impl Rules for ByNumber {
     }
 }
 
-/// Draws a triangle as one with short edges; false where it has no such ones.
-fn draw_short(grid: &Grid, square: &mut Square, corners: &[Vertex; 3], pixels: [[i32; 2]; 2], number: u32) -> bool {
+/// Draws triangles as clusters' are drawn, several at a time; those whose edges are not short by themselves. Each with
+/// its number and what its box holds.
+fn draw_batches(grid: &Grid, square: &mut Square, triangles: &[(u32, [Vertex; 3], [[i32; 2]; 2])]) {
     let mut batch = Batch::default();
-    batch.set(3, *corners, pixels);
-    let short = Short::new(grid, &batch);
-    let (covering, count) = short.covering(grid, &batch, 4);
-    if covering[..count].contains(&3) && short.area(3) != 0.0 && short.is_short(grid, 3) {
-        short.fill(3, square, pixels, number, &ByNumber);
+    for some in triangles.chunks(BATCH) {
+        some.iter().enumerate().for_each(|(i, (_, corners, pixels))| batch.set(i, *corners, *pixels));
+        let short = Short::new(grid, &batch);
+        let (covering, count) = short.covering(grid, &batch, some.len());
+        for &i in &covering[..count] {
+            let (number, corners, pixels) = some[i];
+            if !short.is_short(grid, i) {
+                draw_alone(grid, square, &some[i]);
+            } else if short.area(i) != 0.0 {
+                short.fill(i, square, pixels, number, &ByNumber);
+            }
+            assert_eq!(batch.corners(i), corners);
+        }
     }
-    short.is_short(grid, 3)
+}
+
+fn draw_alone(grid: &Grid, square: &mut Square, (number, corners, pixels): &(u32, [Vertex; 3], [[i32; 2]; 2])) {
+    if let Some(triangle) = Triangle::new(*corners, *number) {
+        triangle.fill(grid, square, *pixels, &ByNumber);
+    }
 }
 
 /// The numbers that are seen at each pixel, of triangles that are drawn in some order.
 fn seen<'a>(grid: &Grid, triangles: impl Iterator<Item = (u32, &'a [Vertex; 3])> + Clone) -> Vec<u32> {
-    let (mut square, mut short, mut numbers) = (Square::new(), Square::new(), vec![NOTHING; SIZE * SIZE]);
+    let size = [grid.width, grid.height].map(|v| v as usize);
+    let (mut square, mut batched, mut numbers) = (Square::new(), Square::new(), vec![NOTHING; size[0] * size[1]]);
     for index in 0..Square::counts(grid).into_iter().product() {
         square.start(grid, index);
-        short.start(grid, index);
+        batched.start(grid, index);
         let boxing = Boxing::new(grid, &square);
-        for (number, corners) in triangles.clone() {
-            let Some(pixels) = boxing.range(corners) else { continue };
-            let triangle = Triangle::new(*corners, number);
-            if let Some(triangle) = triangle {
-                triangle.fill(grid, &mut square, pixels, &ByNumber);
-            }
-            if !draw_short(grid, &mut short, corners, pixels, number)
-                && let Some(triangle) = triangle
-            {
-                triangle.fill(grid, &mut short, pixels, &ByNumber);
-            }
-        }
-        assert_eq!(square.shown(), short.shown());
+        let boxed = triangles.clone().filter_map(|(number, t)| Some((number, *t, boxing.range(t)?)));
+        let boxed: Vec<_> = boxed.collect();
+        boxed.iter().for_each(|triangle| draw_alone(grid, &mut square, triangle));
+        draw_batches(grid, &mut batched, &boxed);
+        assert_eq!(square.shown(), batched.shown());
         let ([x, y], [width, height]) = (square.first, square.size.map(|v| v as usize));
         for y in y..y + height as i32 {
-            let at = y as usize * SIZE + x as usize;
+            let at = y as usize * size[0] + x as usize;
             numbers[at..at + width].copy_from_slice(square.row([x, y], width));
         }
     }
@@ -157,33 +169,37 @@ fn triangles_that_share_edges_leave_no_hole() {
 }
 
 /// Triangles from less than a pixel to some ten pixels, many of them flat or of no area, near one another and as near
-/// as one another: drawn several at a time as each by itself.
+/// as one another: drawn several at a time as each by itself, on films of any size.
 #[test]
 fn triangles_with_short_edges_are_drawn_as_others() {
-    let grid = grid(Projection::Perspective);
     let mut seed = 11;
-    let mut short = 0;
-    for round in 0..40 {
-        let size = 0.3 * 1.12f64.powi(round);
-        let triangles: Vec<[Vertex; 3]> = (0..300)
-            .map(|i| {
-                let middle = [noise(&mut seed) * 60.0 - 30.0, noise(&mut seed) * 60.0 - 30.0];
-                let mut corner = || {
-                    let at = middle.map(|v| v + size * (noise(&mut seed) - 0.5));
-                    let [x, y] = if i % 3 == 0 { at.map(|v| (2.0 * v).round() / 2.0) } else { at };
-                    let distance = if i % 2 == 0 { 1.0 } else { 1.0 + noise(&mut seed) };
-                    grid.place(Homogeneous { x: x * distance, y: y * distance, distance })
-                };
-                [corner(), corner(), corner()]
-            })
-            .collect();
-        let longest =
-            |t: &[Vertex; 3]| t.iter().flat_map(|a| t.map(|b| (a.x - b.x).abs().max((a.y - b.y).abs()))).max();
-        short += triangles.iter().filter(|t| longest(t) <= Some(grid.short)).count();
-        let numbers = seen(&grid, (0..).zip(&triangles));
-        assert!(round < 20 || numbers.iter().filter(|n| **n != NOTHING).count() > 50);
+    for film in [2, 31, SIZE, 1000] {
+        let grid = grid_of(Projection::Perspective, film);
+        let reach = 0.75 * film.min(SIZE) as f64;
+        let mut short = [0; 2];
+        for round in 0..40 {
+            let size = 0.3 * 1.12f64.powi(round);
+            let triangles: Vec<[Vertex; 3]> = (0..300)
+                .map(|i| {
+                    let middle = [0.0; 2].map(|_: f64| reach * (noise(&mut seed) - 0.5));
+                    let mut corner = || {
+                        let at = middle.map(|v| v + size * (noise(&mut seed) - 0.5));
+                        let [x, y] = if i % 3 == 0 { at.map(|v| (2.0 * v).round() / 2.0) } else { at };
+                        let distance = if i % 2 == 0 { 1.0 } else { 1.0 + noise(&mut seed) };
+                        grid.place(Homogeneous { x: x * distance, y: y * distance, distance })
+                    };
+                    [corner(), corner(), corner()]
+                })
+                .collect();
+            for t in &triangles {
+                let longest = t.iter().flat_map(|a| t.map(|b| (a.x - b.x).abs().max((a.y - b.y).abs()))).max();
+                short[usize::from(longest <= Some(grid.short))] += 1;
+            }
+            let numbers = seen(&grid, (0..).zip(&triangles));
+            assert!(film < SIZE || round < 20 || numbers.iter().filter(|n| **n != NOTHING).count() > 50);
+        }
+        assert!(short[1] > 200 && (film > SIZE || short[0] > 1000), "{short:?} of {film} pixels");
     }
-    assert!(short > 6000 && short < 12_000, "{short} are short");
 }
 
 /// What is cut off at the near plane and around the film covers what rays meet.
