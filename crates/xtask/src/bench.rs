@@ -61,6 +61,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Whether a measure prints how to call it, and nothing is measured.
+fn asks_for_help(words: &[String]) -> bool {
+    words.iter().any(|word| word == "--help" || word == "-h")
+}
+
 /// Counts the failures of rays and samples, and draws their charts.
 fn stability(words: &[String], folder: &Path) -> Result<()> {
     measure(&[&["stability".to_string()], words].concat(), folder)

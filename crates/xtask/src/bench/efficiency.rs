@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::Result;
 
-use super::commit;
+use super::{asks_for_help, commit};
 use crate::{process, python::Venv, render, sdk::Sdk, workspace};
 
 /// Versions of Python that Mitsuba and usd-core have packages for.
@@ -24,7 +24,9 @@ pub fn run(words: &[String], folder: &Path) -> Result<ExitCode> {
     measure.arg("tests/accuracy/efficiency/measure.py").arg(&record).args(words).args(["--commit", &commit]);
     add_peers(&mut measure)?;
     process::run(measure.current_dir(workspace::root()))?;
-    draw("efficiency", &record, folder)?;
+    if !asks_for_help(words) {
+        draw("efficiency", &record, folder)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -4,7 +4,7 @@ use std::{path::Path, process::ExitCode};
 
 use anyhow::Result;
 
-use super::{commit, efficiency, stability};
+use super::{asks_for_help, commit, efficiency, stability};
 use crate::{process, render, workspace};
 
 /// Rays at each point of the stability charts: a fifth of what `bench stability` takes.
@@ -29,6 +29,9 @@ pub fn run(words: &[String], folder: &Path) -> Result<ExitCode> {
         measure.args(["--commit", &commit, "--known", KNOWN]);
         efficiency::add_peers(&mut measure)?;
         process::run(measure.current_dir(workspace::root()))?;
+        if asks_for_help(words) {
+            return Ok(ExitCode::SUCCESS);
+        }
         efficiency::draw("report", &record, folder)?;
     } else {
         efficiency::draw("report", &workspace::root().join(KNOWN), folder)?;

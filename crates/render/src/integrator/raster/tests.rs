@@ -44,9 +44,11 @@ impl Rules for ByNumber {
     }
 }
 
-/// Draws triangles as clusters' are drawn, several at a time; those whose edges are not short by themselves. Each with
-/// its number and what its box holds.
-fn draw_batches(grid: &Grid, square: &mut Square, triangles: &[(u32, [Vertex; 3], [[i32; 2]; 2])]) {
+/// A triangle with its number and what its box holds.
+type Boxed = (u32, [Vertex; 3], [[i32; 2]; 2]);
+
+/// Draws triangles as clusters' are drawn, several at a time; those whose edges are not short by themselves.
+fn draw_batches(grid: &Grid, square: &mut Square, triangles: &[Boxed]) {
     let mut batch = Batch::default();
     for some in triangles.chunks(BATCH) {
         some.iter().enumerate().for_each(|(i, (_, corners, pixels))| batch.set(i, *corners, *pixels));
@@ -64,7 +66,7 @@ fn draw_batches(grid: &Grid, square: &mut Square, triangles: &[(u32, [Vertex; 3]
     }
 }
 
-fn draw_alone(grid: &Grid, square: &mut Square, (number, corners, pixels): &(u32, [Vertex; 3], [[i32; 2]; 2])) {
+fn draw_alone(grid: &Grid, square: &mut Square, (number, corners, pixels): &Boxed) {
     if let Some(triangle) = Triangle::new(*corners, *number) {
         triangle.fill(grid, square, *pixels, &ByNumber);
     }
