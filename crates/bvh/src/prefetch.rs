@@ -15,7 +15,7 @@ pub fn prefetch<T>(slice: &[T]) {
 
 /// Asks for the four lines at an address, which need not be a good one.
 #[inline(always)]
-pub(crate) fn four_lines(address: *const u8) {
+pub(crate) fn prefetch_four_lines(address: *const u8) {
     for i in 0..4 {
         line(address.wrapping_add(LINE * i));
     }

@@ -28,6 +28,7 @@ OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES = 512, 128
 # Seconds that one picture may take: larger counts of that method are left out. Three rounds of seven scenes then
 # take a quarter of an hour at most.
 LONGEST = 4.5
+UNUSED_ROUNDS = 75
 COST_SAMPLES, UNUSED_SAMPLES, UNUSED_SIZE = 4, 1, (128, 128)
 
 
@@ -36,7 +37,7 @@ def arguments_given() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     add_arguments(parser, SCENES, OWN_REFERENCE_SAMPLES, CYCLES_REFERENCE_SAMPLES)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--unused-rounds", type=int, default=75, help="of the cost of unused features")
+    parser.add_argument("--unused-rounds", type=int, default=UNUSED_ROUNDS, help="of the cost of unused features")
     parser.add_argument("--longest", type=float, default=LONGEST, metavar="SECONDS", help="that one picture may take")
     parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS)
     parser.add_argument("--known", type=Path, help="a record to take over what is not measured now")
@@ -57,6 +58,10 @@ def command_of(arguments: argparse.Namespace) -> str:
         words.append(f"--cycles-reference {arguments.cycles_reference}")
     if arguments.longest != LONGEST:
         words.append(f"--longest {arguments.longest:g}")
+    if arguments.unused_rounds != UNUSED_ROUNDS:
+        words.append(f"--unused-rounds {arguments.unused_rounds}")
+    if arguments.only != PARTS:
+        words.append(f"--only {' '.join(arguments.only)}")
     return f"cargo xtask bench report {' '.join(words)}"
 
 

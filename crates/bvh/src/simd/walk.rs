@@ -1,6 +1,7 @@
 //! The traversal, for any vector unit.
 
 use super::{Isa, Lanes, kernel, stack::Stack};
+use crate::prefetch::prefetch_four_lines;
 use crate::{
     ray::{FAR_SLACK, TraversalRay},
     wide::{ChildRef, WideNode, WideTree},
@@ -56,11 +57,7 @@ pub(super) unsafe fn walk<S: Isa, V: Visitor, const ORDERED: bool>(
                     // SAFETY: the entries were just set.
                     let child = ChildRef(unsafe { stack.get(at) } as u32);
                     let node = tree.nodes.as_ptr().wrapping_add(child.0 as usize).cast();
-                    crate::prefetch::four_lines(if child.is_leaf() {
-                        visitor.first_read(child.range().0)
-                    } else {
-                        node
-                    });
+                    prefetch_four_lines(if child.is_leaf() { visitor.first_read(child.range().0) } else { node });
                 }
                 continue;
             }

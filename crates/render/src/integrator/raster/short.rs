@@ -82,8 +82,8 @@ impl Short {
         };
         let unit = f64::from(1u32 << grid.subpixel_bits);
         let per_unit = 1.0 / unit;
-        // of a whole number of steps per unit: the integer nearest to what is half less, and half a step more, is its
-        // floor, and never as near as another; see `Grid::short`
+        // values go in steps of one over the unit: the integer nearest to a value less a half, and half a step more, is its
+        // floor, and none is as near
         let floor = 0.5 * per_unit - 0.5;
         let float = |v: i32| f64::from(v);
         for i in 0..BATCH {
