@@ -7,7 +7,7 @@ use umber_math::Point3;
 use super::bins::{Piece, Seen, number};
 use super::centers::barycentrics;
 use super::clip::clip;
-use super::fill::{Rules, Triangle};
+use super::fill::{Rules, Triangle, larger};
 use super::placement::Placement;
 use super::project::{Grid, Vertex, Vertices};
 use super::short::{BATCH, Batch, Short};
@@ -77,10 +77,16 @@ impl<'a> Drawer<'a> {
     fn draw_piece(&mut self, square: &mut Square, pieces: &[Piece<'_>], at: usize) {
         let Piece { entry, cluster } = pieces[at];
         let placement = &self.placements[entry.placement as usize];
-        for (i, block) in cluster.points.iter().enumerate() {
-            self.points.set(i * LANES, &self.grid.place_block(&placement.film_from_object, block));
-        }
         let boxing = Boxing::new(self.grid, square);
+        let mut around = Around::NOTHING;
+        for (i, block) in cluster.points.iter().enumerate() {
+            let vertices = self.grid.place_block(&placement.film_from_object, block);
+            around.add(&vertices);
+            self.points.set(i * LANES, &vertices);
+        }
+        if around.is_hidden(&boxing, square) {
+            return;
+        }
         // most triangles cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
         let mut count = 0;
         for (i, [a, b, c]) in cluster.corners.iter().enumerate() {
@@ -143,6 +149,48 @@ impl Points {
         for (at, (i, pixels)) in boxed.iter().enumerate() {
             let corners = cluster.corners[*i as usize].map(|point| self.vertex(point));
             batch.set(at % BATCH, corners, ranges(pixels));
+        }
+    }
+}
+
+/// What is around points: of those in the same lane of their blocks, the least and the largest.
+struct Around {
+    low: [[i32; LANES]; 2],
+    high: [[i32; LANES]; 2],
+    nearness: [f32; LANES],
+}
+
+impl Around {
+    const NOTHING: Self =
+        Self { low: [[i32::MAX; LANES]; 2], high: [[i32::MIN; LANES]; 2], nearness: [f32::NEG_INFINITY; LANES] };
+
+    #[inline(always)]
+    fn add(&mut self, vertices: &Vertices) {
+        for (axis, places) in [&vertices.x, &vertices.y].into_iter().enumerate() {
+            for i in 0..LANES {
+                self.low[axis][i] = self.low[axis][i].min(places[i]);
+                self.high[axis][i] = self.high[axis][i].max(places[i]);
+            }
+        }
+        for i in 0..LANES {
+            self.nearness[i] = larger(vertices.nearness[i], self.nearness[i]);
+        }
+    }
+    /// Whether a square shows nothing of them.
+    #[inline(always)]
+    fn is_hidden(&self, boxing: &Boxing, square: &Square) -> bool {
+        let [x0, y0] = self.low.map(|low| low.into_iter().fold(i32::MAX, i32::min));
+        if x0 == Vertex::OFF_GRID.x {
+            return false;
+        }
+        let [x1, y1] = self.high.map(|high| high.into_iter().fold(i32::MIN, i32::max));
+        let place = [x0, y0, -x1, -y1];
+        let pixels = boxing.pixels(&place, &place, &place);
+        let [x, y] = square.first;
+        is_empty(pixels) || {
+            let [[x0, x1], [y0, y1]] = ranges(&pixels);
+            let pixels = [[x0 - x, x1 - x], [y0 - y, y1 - y]].map(|range| range.map(|v| v as u8));
+            square.hides(pixels, self.nearness.into_iter().fold(f32::NEG_INFINITY, larger))
         }
     }
 }

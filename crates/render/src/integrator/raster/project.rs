@@ -66,9 +66,12 @@ impl Vertex {
 /// Some projected vertices, as [`Vertex`].
 #[derive(Clone, Copy, Debug)]
 pub struct Vertices {
-    x: [i32; LANES],
-    y: [i32; LANES],
-    nearness: [f32; LANES],
+    /// Coordinates of each.
+    pub x: [i32; LANES],
+    /// As `x`.
+    pub y: [i32; LANES],
+    /// Of each.
+    pub nearness: [f32; LANES],
 }
 
 impl Vertices {
