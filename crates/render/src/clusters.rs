@@ -1,5 +1,7 @@
 //! A mesh's triangles in small groups that lie close together: what a rasteriser draws or passes over at once.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use umber_bvh::prefetch;
 use umber_math::{Bounds3, Point3, Vec3};
@@ -82,6 +84,25 @@ impl Clusters {
     /// A box around a group, object space.
     pub fn bounds(&self, cluster: usize) -> Bounds3 {
         self.bounds[cluster]
+    }
+    /// Values at the points of all groups, of what gives those at the corners of any of the mesh's triangles; numbered
+    /// as [`Clusters::points`] says.
+    pub fn at_points<T: Copy + Default>(&self, at_corners: impl Fn(u32) -> [T; 3]) -> Vec<T> {
+        let mut values = vec![T::default(); self.points.len() * LANES];
+        for cluster in 0..self.len() {
+            let (values, Cluster { corners, indices, .. }) = (&mut values[self.points(cluster)], self.get(cluster));
+            for (numbers, index) in corners.iter().zip(indices) {
+                for (number, value) in numbers.iter().zip(at_corners(*index)) {
+                    values[usize::from(*number)] = value;
+                }
+            }
+        }
+        values
+    }
+    /// Which of all groups' points are a group's.
+    pub fn points(&self, cluster: usize) -> Range<usize> {
+        let [first, end] = [cluster, cluster + 1].map(|i| self.first_blocks[i] as usize * LANES);
+        first..end
     }
     /// A group.
     pub fn get(&self, cluster: usize) -> Cluster<'_> {
@@ -166,5 +187,12 @@ mod tests {
             }
         }
         assert!(seen.iter().all(|s| *s));
+        let values = clusters.at_points(|triangle| triangles[triangle as usize]);
+        for cluster in 0..clusters.len() {
+            let (values, Cluster { corners, indices, .. }) = (&values[clusters.points(cluster)], clusters.get(cluster));
+            for (corners, index) in corners.iter().zip(indices) {
+                assert_eq!(corners.map(|i| values[usize::from(i)]), triangles[*index as usize]);
+            }
+        }
     }
 }

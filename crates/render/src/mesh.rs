@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use umber_bvh::MeshBvh;
-use umber_geometry::{Attribute, TriangleMesh};
+use umber_geometry::{Attribute, Interpolation, TriangleMesh};
 use umber_math::{Point3, Vec2, Vec3};
 use umber_scene::CulledFaces;
 
@@ -55,6 +55,8 @@ pub struct MeshAttributes {
     pub display_opacity: Option<Attribute<f32>>,
     /// `st`.
     pub st: Option<Attribute<Vec2>>,
+    /// Made when a rasteriser first asks for them; see [`RenderMesh::cluster_normals`].
+    pub cluster_normals: OnceLock<Option<Vec<Vec3>>>,
 }
 
 /// Index of a material that means: none bound, show displayColor.
@@ -85,6 +87,18 @@ impl RenderMesh {
             Some(materials) => materials[self.shape.mesh.elements[triangle as usize] as usize],
             None => self.material,
         }
+    }
+
+    /// Shading normals at the points of its clusters, object space, numbered as [`Clusters::points`] says. `None` where
+    /// it is flat, or triangles that share a point have others there.
+    pub fn cluster_normals(&self) -> Option<&[Vec3]> {
+        let MeshShape { mesh, .. } = &*self.shape;
+        let normals = self.attributes.normals.as_ref().filter(|normals| match normals.interpolation() {
+            Interpolation::Constant | Interpolation::Varying | Interpolation::Vertex => true,
+            Interpolation::Uniform | Interpolation::FaceVarying => false,
+        });
+        let make = || normals.map(|n| self.shape.clusters().at_points(|triangle| n.at_vertices(mesh, triangle)));
+        self.attributes.cluster_normals.get_or_init(make).as_deref()
     }
 
     /// Whether some of its surface may let rays pass.

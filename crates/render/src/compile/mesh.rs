@@ -1,6 +1,6 @@
 //! From a described mesh to its shape and attributes.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use umber_bvh::MeshBvh;
 use umber_geometry::{
@@ -53,6 +53,7 @@ pub fn compile_attributes(mesh: &Mesh, shape: &MeshShape, say: &mut dyn FnMut(St
         display_color: color.and_then(|(p, name)| attribute(mesh, p, &name, to_vec3, say)),
         display_opacity: opacity.and_then(|(p, name)| attribute(mesh, p, &name, to_float, say)),
         st: st.and_then(|(p, name)| attribute(mesh, p, &name, to_vec2, say)),
+        cluster_normals: OnceLock::new(),
     }
 }
 

@@ -9,6 +9,7 @@ mod centers;
 mod clip;
 mod draw;
 mod fill;
+mod pieces;
 mod placement;
 mod project;
 mod reach;
@@ -26,8 +27,9 @@ use umber_settings::Settings;
 use super::Stop;
 use crate::film::{Film, TILE};
 use crate::scene::RenderScene;
-use bins::{Bins, Entry, MOST_ENTRIES, Piece};
+use bins::{Bins, Entry};
 use draw::Drawer;
+use pieces::{MOST_ENTRIES, Piece};
 use placement::Placement;
 use project::Grid;
 use shade::Shader;
@@ -109,10 +111,10 @@ impl<'a> Worker<'a> {
             // in the memory of an older picture, if there was one
             let mut samples = std::mem::take(&mut film.tile(index).halves[0]);
             samples.clear();
-            self.shader.colors(rect, &mut samples.sums);
+            self.shader.colors(&self.pieces, rect, &mut samples.sums);
             film.tile(index).halves[0] = samples;
             if film.has_center_aovs() {
-                film.set_centers(index, &self.shader.centers(rect));
+                film.set_centers(index, &self.shader.centers(&self.pieces, rect));
             }
         }
     }

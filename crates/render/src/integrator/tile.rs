@@ -212,14 +212,24 @@ pub(super) fn kept(scene: &RenderScene, radiance: Rgb) -> Rgb {
     clamped(finite(radiance), scene.settings.firefly_clamp)
 }
 
+/// Whether [`kept`] changes none of some channels.
+#[inline(always)]
+pub(super) fn keeps(scene: &RenderScene, channels: &[f32]) -> bool {
+    let clamp = scene.settings.firefly_clamp;
+    let largest = if clamp > 0.0 { clamp.min(LARGEST) } else { LARGEST };
+    channels.iter().fold(true, |all, v| all & (*v >= 0.0) & (*v <= largest))
+}
+
 /// The same hue, with no channel above `largest`; 0 is no bound.
 fn clamped(radiance: Rgb, largest: f32) -> Rgb {
     let channel = radiance.max_channel();
     if largest > 0.0 && channel > largest { radiance * (largest / channel) } else { radiance }
 }
 
+/// What a channel is cut to.
+const LARGEST: f32 = 1e30;
+
 /// Nothing may poison a pixel: what is not a number counts as black, what is too large is cut.
 fn finite(radiance: Rgb) -> Rgb {
-    const LARGEST: f32 = 1e30;
     if radiance.0.is_nan() { Rgb::BLACK } else { Rgb(radiance.0.clamp(glam::Vec3::ZERO, glam::Vec3::splat(LARGEST))) }
 }

@@ -4,14 +4,12 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use umber_math::{Point3, Vec3};
 
 use super::super::Stop;
 use super::placement::Placement;
 use super::project::Grid;
 use super::reach::Reach;
-use super::square::{NOTHING, SQUARE, Square};
-use crate::clusters::{CLUSTER, Cluster, LANES};
+use super::square::{SQUARE, Square};
 use crate::scene::RenderScene;
 
 /// Clusters that one thread looks at, at a time.
@@ -30,73 +28,6 @@ pub struct Entry {
     pub pixels: [[u8; 2]; 2],
 }
 
-/// An entry with its triangles at hand.
-#[derive(Clone, Copy, Debug)]
-pub struct Piece<'a> {
-    /// Where it may be seen.
-    pub entry: Entry,
-    /// Its triangles.
-    pub cluster: Cluster<'a>,
-}
-
-impl<'a> Piece<'a> {
-    /// That of an entry.
-    #[inline]
-    pub fn new(scene: &'a RenderScene, placements: &[Placement], entry: Entry) -> Self {
-        let clusters = placements[entry.placement as usize].mesh(scene).shape.clusters();
-        Self { entry, cluster: clusters.get(entry.cluster as usize) }
-    }
-}
-
-/// More entries of a square, 67 million, have no numbers left: of those in front that many are drawn.
-pub const MOST_ENTRIES: usize = NOTHING as usize / CLUSTER;
-
-/// Number of a triangle among those of a square's pieces, of which there are [`MOST_ENTRIES`].
-#[inline(always)]
-pub fn number(piece: usize, triangle: u32) -> u32 {
-    (piece * CLUSTER) as u32 + triangle
-}
-
-/// What has a number.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
-    /// Index of the placement.
-    pub placement: u32,
-    /// Triangle of its mesh.
-    pub triangle: u32,
-    /// The cluster that has it.
-    cluster: Cluster<'a>,
-    /// Its corners there.
-    corners: [u8; 3],
-}
-
-impl<'a> Seen<'a> {
-    /// By its number among the pieces of a square.
-    #[inline(always)]
-    pub fn new(pieces: &[Piece<'a>], number: u32) -> Self {
-        let (Piece { entry, cluster }, at) = (pieces[number as usize / CLUSTER], number as usize % CLUSTER);
-        Self { placement: entry.placement, triangle: cluster.indices[at], cluster, corners: cluster.corners[at] }
-    }
-
-    /// Its corners, object space.
-    #[inline(always)]
-    pub fn corners(&self) -> [Point3; 3] {
-        let [a, b, c] = self.corners;
-        [self.corner(a), self.corner(b), self.corner(c)]
-    }
-
-    #[inline(always)]
-    fn corner(&self, number: u8) -> Point3 {
-        let (block, lane) = (&self.cluster.points[usize::from(number) / LANES], usize::from(number) % LANES);
-        Point3(Vec3::new(block[0][lane], block[1][lane], block[2][lane]))
-    }
-
-    /// Of what is as near, the smallest is seen: the one that a ray meets first.
-    pub fn rank(&self) -> (u32, u32) {
-        (self.placement, self.triangle)
-    }
-}
-
 /// The entries of all squares.
 #[derive(Debug, Default)]
 pub struct Bins {
@@ -109,7 +40,10 @@ impl Bins {
     /// Of all clusters; some where stopped.
     pub fn new(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &Stop<'_>) -> Self {
         // here, where all threads are at work
-        placements.par_iter().filter(|_| !stop.now()).for_each(|placement| _ = placement.mesh(scene).shape.clusters());
+        placements.par_iter().filter(|_| !stop.now()).for_each(|placement| {
+            placement.mesh(scene).shape.clusters();
+            placement.mesh(scene).cluster_normals();
+        });
         let runs: Vec<(usize, Range<usize>)> = (0..placements.len())
             .filter(|_| !stop.now())
             .flat_map(|placement| {

@@ -4,27 +4,28 @@ use umber_bvh::Hit;
 use umber_math::{Normal3, Point3, Vector3};
 
 use super::super::center::seen;
+use super::placement::Placement;
 use super::project::{Grid, Homogeneous};
-use super::surface::VisibleTriangle;
+use super::surface::shading_normal;
 use crate::film::CenterHit;
 use crate::scene::RenderScene;
 
-/// What a triangle shows at a pixel. `direction`: of the view ray.
+/// What a triangle of a placement shows at a pixel. `direction`: of the view ray.
 pub fn center(
     scene: &RenderScene,
     grid: &Grid,
-    triangle: &VisibleTriangle<'_>,
+    (placement, index): (&Placement, u32),
     pixel: [i32; 2],
     direction: Vector3,
 ) -> CenterHit {
-    let (placement, mesh) = (triangle.placement, triangle.mesh);
-    let corners = mesh.shape.triangle(triangle.index).map(|p| placement.film_from_object.apply(p));
+    let mesh = placement.mesh(scene);
+    let corners = mesh.shape.triangle(index).map(|p| placement.film_from_object.apply(p));
     let barycentrics = barycentrics(grid, &corners, grid.film_position(pixel));
-    let [p, q, r] = mesh.shape.triangle(triangle.index).map(|p| p.0);
+    let [p, q, r] = mesh.shape.triangle(index).map(|p| p.0);
     let point = Point3(p * barycentrics[0] + q * barycentrics[1] + r * barycentrics[2]);
     let depths = scene.camera.depths_at(placement.film_from_object.apply(point).distance as f32);
-    let normal = Normal3(triangle.shading_normal(barycentrics)).normalized();
-    let hit = Hit { t: 0.0, barycentrics, mesh: placement.mesh, triangle: triangle.index, path: placement.path };
+    let normal = Normal3(shading_normal(placement, mesh, index, barycentrics)).normalized();
+    let hit = Hit { t: 0.0, barycentrics, mesh: placement.mesh, triangle: index, path: placement.path };
     seen(scene, &hit, depths, normal, direction)
 }
 

@@ -4,10 +4,10 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_bvh::Hit;
 use umber_math::Point3;
 
-use super::bins::{Piece, Seen, number};
 use super::centers::barycentrics;
 use super::clip::clip;
 use super::fill::{Rules, Triangle, larger};
+use super::pieces::{Piece, Seen, number};
 use super::placement::Placement;
 use super::project::{Grid, Vertex, Vertices};
 use super::short::{BATCH, Batch, Short};
@@ -75,7 +75,7 @@ impl<'a> Drawer<'a> {
 
     #[inline(always)]
     fn draw_piece(&mut self, square: &mut Square, pieces: &[Piece<'_>], at: usize) {
-        let Piece { entry, cluster } = pieces[at];
+        let Piece { entry, cluster, .. } = pieces[at];
         let placement = &self.placements[entry.placement as usize];
         let boxing = Boxing::new(self.grid, square);
         let mut around = Around::NOTHING;

@@ -4,20 +4,17 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_math::{Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
-use super::super::tile::kept;
-use super::bins::{Piece, Seen};
+use super::super::tile::{kept, keeps};
 use super::centers;
+use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::Grid;
 use super::square::{NOTHING, Square};
-use super::surface::VisibleTriangle;
+use super::surface::{BATCH, Surface, Surfaces, TilePixel, face_normal};
 use crate::film::{CenterHit, PixelSum, TILE, TileRect};
 use crate::scene::RenderScene;
 
 /// Shades pixels, tile by tile.
-///
-/// In steps that each go over all pixels: what waits for memory does so for many triangles at once, and arithmetic is
-/// done for several pixels at once.
 pub struct Shader<'a> {
     scene: &'a RenderScene,
     grid: &'a Grid,
@@ -25,16 +22,11 @@ pub struct Shader<'a> {
     arch: Arch,
     directions: Directions,
     /// Numbers of what is seen in the tile, with the pixels where it was first seen.
-    found: Vec<(u32, [i32; 2])>,
-    /// What they are.
-    seen: Vec<(Seen<'a>, [i32; 2])>,
-    /// The shading normals of their corners, by index and by value.
-    normal_indices: Vec<Option<[u32; 3]>>,
-    normals: Vec<Option<[Vec3; 3]>>,
-    /// The same triangles, ready to be shaded.
-    triangles: Vec<VisibleTriangle<'a>>,
-    /// Index of the triangle of each pixel; [`NONE`] where there is none.
+    found: Vec<(u32, TilePixel)>,
+    /// Index of what is seen at each pixel among what was found; [`NONE`] where there is none.
     which: Vec<u32>,
+    /// Surfaces of what was found.
+    surfaces: Surfaces,
 }
 
 /// Of a pixel in which nothing is seen.
@@ -69,19 +61,33 @@ impl Row {
 
     /// Sets what is seen at a pixel.
     #[inline(always)]
-    fn set(&mut self, i: usize, triangle: Option<&VisibleTriangle<'_>>, pixel: [i32; 2]) {
+    fn set(&mut self, surfaces: &Surfaces, surface: Option<&Surface>, pixel: TilePixel) {
+        let i = usize::from(pixel[0]) % TILE;
         let (mut normal, mut base, mut emission, mut coverage) = (Vec3::ZERO, Rgb::BLACK, Rgb::BLACK, 0.0);
-        if let Some(triangle) = triangle {
-            ((normal, base), emission, coverage) = (triangle.at(pixel), triangle.emission, 1.0);
+        if let Some(surface) = surface {
+            (normal, base) = (surface.normal(pixel), surfaces.base(surface, pixel));
+            (emission, coverage) = (surface.emission, 1.0);
         }
-        for (lanes, value) in
-            [(&mut self.normals, normal), (&mut self.bases, base.0), (&mut self.emissions, emission.0)]
-        {
+        self.set_normal(i, normal);
+        for (lanes, value) in [(&mut self.bases, base.0), (&mut self.emissions, emission.0)] {
             for (lanes, value) in lanes.iter_mut().zip(value.to_array()) {
                 lanes[i] = value;
             }
         }
         self.coverages[i] = coverage;
+    }
+    #[inline(always)]
+    fn set_normal(&mut self, i: usize, normal: Vec3) {
+        for (lanes, value) in self.normals.iter_mut().zip(normal.to_array()) {
+            lanes[i] = value;
+        }
+    }
+
+    /// Whether something is seen at a pixel, but has a normal that is zero or not a number.
+    #[inline(always)]
+    fn lacks_normal(&self, i: usize) -> bool {
+        let [x, y, z] = &self.normals;
+        (self.coverages[i] > 0.0) & !(x[i] * x[i] + y[i] * y[i] + z[i] * z[i] > 0.0)
     }
 
     /// Radiance by channel, lit from the eye. `start`, `step`: direction of the first view ray, and its change.
@@ -108,31 +114,15 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        let arch = Arch::new();
-        let (found, seen, normal_indices, normals, triangles, which) = Default::default();
-        Self { scene, grid, placements, arch, directions, found, seen, normal_indices, normals, triangles, which }
+        let (found, which, surfaces) = Default::default();
+        Self { scene, grid, placements, arch: Arch::new(), directions, found, which, surfaces }
     }
 
     /// Finds what is seen in a tile. False where nothing is.
-    ///
-    /// Step by step for all of it: each step reads far memory that the step before has named, and waits for much of it
-    /// at once.
-    pub fn look(&mut self, square: &Square, pieces: &[Piece<'a>], rect: TileRect) -> bool {
+    pub fn look(&mut self, square: &Square, pieces: &[Piece<'_>], rect: TileRect) -> bool {
         self.find(square, rect);
-        self.seen.clear();
-        self.seen.extend(self.found.iter().map(|(number, pixel)| (Seen::new(pieces, *number), *pixel)));
-        let (scene, placements) = (self.scene, self.placements);
-        let mesh = |(seen, _): &(Seen<'a>, [i32; 2])| placements[seen.placement as usize].mesh(scene);
-        let normals = |at: &(Seen<'a>, [i32; 2])| Some((mesh(at), mesh(at).attributes.normals.as_ref()?));
-        self.normal_indices.clear();
-        self.normal_indices.extend(self.seen.iter().map(|at| {
-            normals(at).and_then(|(mesh, normals)| normals.indices_at_vertices(&mesh.shape.mesh, at.0.triangle))
-        }));
-        self.normals.clear();
-        let indexed = self.seen.iter().zip(&self.normal_indices);
-        self.normals.extend(indexed.map(|(at, indices)| Some(normals(at)?.1.of_indices(*indices))));
-        self.arch.dispatch(Prepare(self));
-        !self.triangles.is_empty()
+        self.arch.dispatch(Prepare { shader: self, pieces, rect });
+        !self.found.is_empty()
     }
 
     /// Fills `which` and `found`.
@@ -142,17 +132,17 @@ impl<'a> Shader<'a> {
         which.clear();
         which.resize(rect.width * rect.height, NONE);
         let (mut numbers_below, mut below) = (&[NOTHING; TILE][..rect.width], &[NONE; TILE][..rect.width]);
-        for (y, row) in (rect.y as i32..).zip(which.chunks_exact_mut(rect.width)) {
-            let numbers = square.row([rect.x as i32, y], rect.width);
+        for (y, row) in which.chunks_exact_mut(rect.width).enumerate() {
+            let numbers = square.row([rect.x as i32, (rect.y + y) as i32], rect.width);
             let mut before = (NOTHING, NONE);
-            for (i, (number, which)) in numbers.iter().zip(&mut *row).enumerate() {
+            for (x, (number, which)) in numbers.iter().zip(&mut *row).enumerate() {
                 // mostly the triangle of the pixel before or below
                 if *number != before.0 {
                     before = match *number {
-                        number if number == numbers_below[i] => (number, below[i]),
+                        number if number == numbers_below[x] => (number, below[x]),
                         NOTHING => (NOTHING, NONE),
                         number => {
-                            found.push((number, [(rect.x + i) as i32, y]));
+                            found.push((number, [x as u8, y as u8]));
                             (number, found.len() as u32 - 1)
                         }
                     };
@@ -163,46 +153,71 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Prepares what is seen to be shaded.
+    /// Makes the surfaces of what was found.
     #[inline(always)]
-    fn prepare(&mut self) {
-        self.triangles.clear();
-        for ((seen, pixel), normals) in self.seen.iter().zip(&self.normals) {
-            let placement = &self.placements[seen.placement as usize];
-            self.triangles.push(VisibleTriangle::new(self.scene, self.grid, placement, seen, normals, *pixel));
+    fn prepare(&mut self, pieces: &[Piece<'_>], rect: TileRect) {
+        let Self { scene, grid, placements, surfaces, .. } = self;
+        surfaces.clear();
+        let mut found = &self.found[..];
+        while let Some((first, _)) = found.first() {
+            let placement = Seen::new(pieces, *first).placement();
+            let is_of_another = |(number, _): &(u32, TilePixel)| Seen::new(pieces, *number).placement() != placement;
+            let most = found.len().min(BATCH);
+            let (batch, rest) = found.split_at(found[..most].iter().position(is_of_another).unwrap_or(most));
+            surfaces.add(scene, grid, &placements[placement as usize], rect, pieces, batch);
+            found = rest;
         }
     }
 
     /// Colours of the tile that was looked at.
-    pub fn colors(&mut self, rect: TileRect, sums: &mut Vec<PixelSum>) {
+    pub fn colors(&mut self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
         if self.scene.settings.raster_color == RasterColor::Shaded {
-            return self.arch.dispatch(Headlit { shader: self, rect, sums });
+            return self.arch.dispatch(Headlit { shader: self, pieces, rect, sums });
         }
-        let triangles = self.which.iter().map(|which| self.triangles.get(*which as usize));
-        sums.extend(triangles.map(|triangle| match triangle {
-            Some(triangle) => PixelSum::of(self.random_color(triangle), 1.0),
+        sums.extend(self.which.iter().map(|which| match self.found.get(*which as usize) {
+            Some((number, _)) => PixelSum::of(self.random_color(Seen::new(pieces, *number)), 1.0),
             None => PixelSum::of(Rgb::BLACK, 0.0),
         }));
     }
 
     /// Colours, lit from the eye.
     #[inline(always)]
-    fn headlit(&self, rect: TileRect, sums: &mut Vec<PixelSum>) {
+    fn headlit(&self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
         let mut row = Row::EMPTY;
-        for (y, which) in (rect.y as i32..).zip(self.which.chunks_exact(rect.width)) {
-            for (i, which) in which.iter().enumerate() {
-                row.set(i, self.triangles.get(*which as usize), [(rect.x + i) as i32, y]);
+        for (y, which) in self.which.chunks_exact(rect.width).enumerate() {
+            for (x, which) in which.iter().enumerate() {
+                row.set(&self.surfaces, self.surfaces.get(*which), [x as u8, y as u8]);
             }
-            let [r, g, b] = row.headlit(self.direction([rect.x as i32, y]), self.directions.across);
-            let sum = |i: usize| PixelSum::of(kept(self.scene, Rgb(Vec3::new(r[i], g[i], b[i]))), row.coverages[i]);
-            sums.extend((0..which.len()).map(sum));
+            if (0..TILE).fold(false, |any, i| any | row.lacks_normal(i)) {
+                self.mend_normals(pieces, which, &mut row);
+            }
+            let radiance = row.headlit(self.direction([rect.x as i32, (rect.y + y) as i32]), self.directions.across);
+            let color = |i: usize| Rgb(Vec3::from(radiance.each_ref().map(|channel| channel[i])));
+            let all_kept = keeps(self.scene, radiance.as_flattened());
+            sums.extend((0..which.len()).map(|i| {
+                let color = if all_kept { color(i) } else { kept(self.scene, color(i)) };
+                PixelSum::of(color, row.coverages[i])
+            }));
+        }
+    }
+
+    /// Gives pixels of a row the normals of their triangles where they lack others.
+    #[cold]
+    fn mend_normals(&self, pieces: &[Piece<'_>], which: &[u32], row: &mut Row) {
+        for (i, which) in which.iter().enumerate() {
+            if let Some((number, _)) = self.found.get(*which as usize).filter(|_| row.lacks_normal(i)) {
+                let seen = Seen::new(pieces, *number);
+                let placement = &self.placements[seen.placement() as usize];
+                row.set_normal(i, face_normal(placement, placement.mesh(self.scene), seen.triangle()));
+            }
         }
     }
 
     /// What AOVs keep of the tile that was looked at.
-    pub fn centers(&self, rect: TileRect) -> Vec<Option<CenterHit>> {
+    pub fn centers(&self, pieces: &[Piece<'_>], rect: TileRect) -> Vec<Option<CenterHit>> {
         let center = |(i, pixel): (usize, [i32; 2])| {
-            let triangle = self.triangles.get(self.which[i] as usize)?;
+            let seen = Seen::new(pieces, self.found.get(self.which[i] as usize)?.0);
+            let triangle = (&self.placements[seen.placement() as usize], seen.triangle());
             Some(centers::center(self.scene, self.grid, triangle, pixel, Vector3(self.direction(pixel))))
         };
         pixels(rect).enumerate().map(center).collect()
@@ -216,29 +231,34 @@ impl<'a> Shader<'a> {
     }
 
     /// A colour that looks like no other polygon's, or no other prim's.
-    fn random_color(&self, triangle: &VisibleTriangle<'_>) -> Rgb {
+    fn random_color(&self, seen: Seen<'_, '_>) -> Rgb {
         let by_polygon = self.scene.settings.raster_color == RasterColor::Random;
-        let mesh = triangle.mesh;
-        let polygon = if by_polygon { mesh.shape.mesh.elements[triangle.index as usize] } else { u32::MAX };
+        let mesh = self.placements[seen.placement() as usize].mesh(self.scene);
+        let polygon = if by_polygon { mesh.shape.mesh.elements[seen.triangle() as usize] } else { u32::MAX };
         Rgb(random_color([mesh.prim_id as u32, polygon]))
     }
 }
 
 /// [`Shader::prepare`], compiled for the processor's vector unit.
-struct Prepare<'s, 'a>(&'s mut Shader<'a>);
+struct Prepare<'s, 'a> {
+    shader: &'s mut Shader<'a>,
+    pieces: &'s [Piece<'s>],
+    rect: TileRect,
+}
 
 impl WithSimd for Prepare<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.0.prepare();
+        self.shader.prepare(self.pieces, self.rect);
     }
 }
 
 /// Colours of a tile, lit from the eye; compiled for the processor's vector unit.
 struct Headlit<'s, 'a> {
     shader: &'s Shader<'a>,
+    pieces: &'s [Piece<'s>],
     rect: TileRect,
     sums: &'s mut Vec<PixelSum>,
 }
@@ -248,7 +268,7 @@ impl WithSimd for Headlit<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.shader.headlit(self.rect, self.sums);
+        self.shader.headlit(self.pieces, self.rect, self.sums);
     }
 }
 

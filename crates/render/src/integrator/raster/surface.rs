@@ -1,48 +1,49 @@
-//! What is the same for all pixels of a tile that show one triangle.
+//! Surfaces of triangles that are seen in a tile: what is the same for all pixels of one.
 
+use glam::Mat3;
 use umber_geometry::{Interpolation, geometric_normal};
 use umber_math::{DVec3, Point3, Rgb, Vec3};
 
-use super::bins::Seen;
+use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::{FilmFromObject, Grid};
+use crate::film::TileRect;
 use crate::material::in_unit;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
 use crate::surface::FALLBACK_COLOR;
 
-/// A triangle that is seen in a tile.
-pub struct VisibleTriangle<'a> {
-    /// Where its mesh stands.
-    pub placement: &'a Placement,
-    /// Its mesh.
-    pub mesh: &'a RenderMesh,
-    /// Which of the mesh's it is.
-    pub index: u32,
-    /// The pixel from which its forms count.
-    origin: [i32; 2],
+/// Surfaces that are made together.
+pub const BATCH: usize = 8;
+
+/// A number of each of them.
+type Each<T> = [T; BATCH];
+
+/// A pixel, from the tile's first.
+pub type TilePixel = [u8; 2];
+
+/// A surface.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Surface {
     normal: Form<Vec3>,
-    base: Base,
+    base: Rgb,
     /// Emitted radiance.
     pub emission: Rgb,
+    /// The pixel from which forms count.
+    origin: TilePixel,
+    /// Which of the colours that vary it has, from 1 on; 0 where it has one everywhere.
+    varying: u16,
 }
 
 /// What is linear over the film.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Form<T> {
     /// At the first pixel.
     start: T,
     /// Change by one pixel across, and one up.
     across: T,
     up: T,
-}
-
-/// The colour of a triangle.
-enum Base {
-    /// The same everywhere.
-    Same(Rgb),
-    /// A form over another: perspective.
-    Varying(Box<(Form<Vec3>, Form<f32>)>),
 }
 
 impl Form<f32> {
@@ -69,111 +70,226 @@ impl Form<Vec3> {
     }
 }
 
-impl<'a> VisibleTriangle<'a> {
-    /// A triangle that is seen at a pixel, with the shading normals of its corners.
+impl Surface {
+    /// From the pixel from which its forms count to another.
     #[inline(always)]
-    pub fn new(
-        scene: &'a RenderScene,
+    fn offset(&self, pixel: TilePixel) -> [f32; 2] {
+        [0, 1].map(|axis| (i32::from(pixel[axis]) - i32::from(self.origin[axis])) as f32)
+    }
+    /// Shading normal at a pixel, render space, not of unit length; zero, or not a number, where the mesh has none.
+    #[inline(always)]
+    pub fn normal(&self, pixel: TilePixel) -> Vec3 {
+        self.normal.at(self.offset(pixel))
+    }
+}
+
+/// The surfaces that are seen in a tile.
+#[derive(Debug, Default)]
+pub struct Surfaces {
+    surfaces: Vec<Surface>,
+    /// Colours that vary: a form over another, for perspective.
+    colors: Vec<(Form<Vec3>, Form<f32>)>,
+}
+
+impl Surfaces {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.surfaces.clear();
+        self.colors.clear();
+    }
+    /// One, in the order in which they were added.
+    #[inline(always)]
+    pub fn get(&self, index: u32) -> Option<&Surface> {
+        self.surfaces.get(index as usize)
+    }
+    /// The colour of one at a pixel.
+    #[inline(always)]
+    pub fn base(&self, surface: &Surface, pixel: TilePixel) -> Rgb {
+        match usize::from(surface.varying) {
+            0 => surface.base,
+            varying => {
+                let (color, whole) = &self.colors[varying - 1];
+                let offset = surface.offset(pixel);
+                in_unit(Rgb(color.at(offset) / whole.at(offset)))
+            }
+        }
+    }
+
+    /// Adds those of triangles of one placement, [`BATCH`] at most: by their numbers among a square's pieces, each with
+    /// a pixel where it is seen. `rect`: of the tile.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        scene: &RenderScene,
         grid: &Grid,
-        placement: &'a Placement,
-        seen: &Seen<'_>,
-        normals: &Option<[Vec3; 3]>,
-        origin: [i32; 2],
-    ) -> Self {
-        let (mesh, index) = (placement.mesh(scene), seen.triangle);
-        let corners = seen.corners();
-        let weights = weights(grid, &placement.film_from_object, &corners, origin);
-        let material = scene.materials.get(mesh.material_of(index) as usize);
-        let normal = match normals {
-            Some([a, b, c]) => {
-                let to_render = &placement.render_from_normal;
-                Form::weighed([to_render.mul_vec3(*a), to_render.mul_vec3(*b), to_render.mul_vec3(*c)], &weights)
-            }
-            None => {
-                let normal = placement.render_from_normal * face_normal(corners);
-                Form { start: normal, across: Vec3::ZERO, up: Vec3::ZERO }
-            }
-        };
-        let base = match material.and_then(|m| m.base_color) {
-            Some(color) => Base::Same(color),
-            None => display_color(mesh, index, &weights),
-        };
-        let emission = material.map_or(Rgb::BLACK, |m| m.emission);
-        Self { placement, mesh, index, origin, normal, base, emission }
+        placement: &Placement,
+        rect: TileRect,
+        pieces: &[Piece<'_>],
+        found: &[(u32, TilePixel)],
+    ) {
+        let mesh = placement.mesh(scene);
+        let mut batch = Batch::default();
+        for (i, (number, [x, y])) in found.iter().take(BATCH).enumerate() {
+            let seen = Seen::new(pieces, *number);
+            let pixel = [rect.x as i32 + i32::from(*x), rect.y as i32 + i32::from(*y)];
+            batch.set(i, seen.corners(), corner_normals(mesh, &seen), grid.film_position(pixel));
+        }
+        let weights = batch.weights(grid, &placement.film_from_object);
+        let [x, y, z] = batch.normals(&placement.render_from_normal, &weights);
+        for (i, (number, origin)) in found.iter().take(BATCH).enumerate() {
+            let seen = Seen::new(pieces, *number);
+            let material = match &mesh.face_materials {
+                Some(_) => mesh.material_of(seen.triangle()),
+                None => mesh.material,
+            };
+            let material = scene.materials.get(material as usize);
+            let (base, varying) = match material.and_then(|m| m.base_color) {
+                Some(color) => (color, 0),
+                None => self.display_color(mesh, &seen, &[weights[0].get(i), weights[1].get(i), weights[2].get(i)]),
+            };
+            let emission = material.map_or(Rgb::BLACK, |m| m.emission);
+            let normal = Form {
+                start: Vec3::new(x.start[i], y.start[i], z.start[i]),
+                across: Vec3::new(x.across[i], y.across[i], z.across[i]),
+                up: Vec3::new(x.up[i], y.up[i], z.up[i]),
+            };
+            self.surfaces.push(Surface { normal, base, emission, origin: *origin, varying });
+        }
     }
 
-    /// Shading normal at a pixel, not of unit length, and its colour.
+    /// What a mesh displays on a triangle: a colour, or one that varies.
     #[inline(always)]
-    pub fn at(&self, pixel: [i32; 2]) -> (Vec3, Rgb) {
-        let at = [(pixel[0] - self.origin[0]) as f32, (pixel[1] - self.origin[1]) as f32];
-        let normal = self.normal.at(at);
-        // neither zero nor what is not a number
-        let normal = if normal.length_squared() > 0.0 { normal } else { self.face_normal() };
-        let base = match &self.base {
-            Base::Same(color) => *color,
-            Base::Varying(forms) => in_unit(Rgb(forms.0.at(at) / forms.1.at(at))),
-        };
-        (normal, base)
-    }
-
-    /// Shading normal, render space, not of unit length.
-    pub fn shading_normal(&self, barycentrics: [f32; 3]) -> Vec3 {
-        let normals = self.mesh.attributes.normals.as_ref();
-        let normal = normals.map(|n| n.eval(&self.mesh.shape.mesh, self.index, barycentrics));
-        match normal.filter(|n| n.length_squared() > 0.0) {
-            Some(normal) => self.placement.render_from_normal * normal,
-            None => self.face_normal(),
+    fn display_color(&mut self, mesh: &RenderMesh, seen: &Seen<'_, '_>, weights: &[Form<f32>; 3]) -> (Rgb, u16) {
+        let Some(color) = &mesh.attributes.display_color else { return (in_unit(Rgb(FALLBACK_COLOR)), 0) };
+        let corners = color.at_vertices(&mesh.shape.mesh, seen.triangle());
+        match color.interpolation() {
+            Interpolation::Constant | Interpolation::Uniform => (in_unit(Rgb(corners[0])), 0),
+            Interpolation::Varying | Interpolation::Vertex | Interpolation::FaceVarying => {
+                let sum = |weight: fn(&Form<f32>) -> f32| weights.iter().map(weight).sum();
+                let whole = Form { start: sum(|w| w.start), across: sum(|w| w.across), up: sum(|w| w.up) };
+                self.colors.push((Form::weighed(corners, weights), whole));
+                // a tile has few enough pixels
+                (Rgb::BLACK, self.colors.len() as u16)
+            }
         }
-    }
-
-    #[cold]
-    fn face_normal(&self) -> Vec3 {
-        self.placement.render_from_normal * face_normal(self.mesh.shape.triangle(self.index))
     }
 }
 
-/// What a mesh displays on a triangle.
+/// Triangles that are made ready together: by corner and coordinate.
+#[derive(Default)]
+struct Batch {
+    corners: [[Each<f32>; 3]; 3],
+    normals: [[Each<f32>; 3]; 3],
+    /// Film positions of the pixels from which forms count.
+    places: [Each<f64>; 2],
+}
+
+impl Batch {
+    #[inline(always)]
+    fn set(&mut self, i: usize, corners: [Point3; 3], normals: [Vec3; 3], place: [f64; 2]) {
+        for k in 0..3 {
+            for axis in 0..3 {
+                self.corners[k][axis][i] = corners[k].0[axis];
+                self.normals[k][axis][i] = normals[k][axis];
+            }
+        }
+        for axis in 0..2 {
+            self.places[axis][i] = place[axis];
+        }
+    }
+
+    /// Weights of a triangle's corners, from its pixel on, that are as the barycentrics: at that pixel they have the
+    /// sum one.
+    ///
+    /// A corner's is as the volume that the film position spans with the other two, all homogeneous.
+    #[inline(always)]
+    fn weights(&self, grid: &Grid, film_from_object: &FilmFromObject) -> [Forms; 3] {
+        let mut weights = [Forms::default(); 3];
+        let [a, b, c] = &self.corners;
+        for i in 0..BATCH {
+            let (x, y) = (self.places[0][i], self.places[1][i]);
+            let place = |corner: &[Each<f32>; 3]| {
+                let p = film_from_object.apply(Point3(Vec3::new(corner[0][i], corner[1][i], corner[2][i])));
+                let weight = grid.weight(&p);
+                DVec3::new(p.x - x * weight, p.y - y * weight, weight)
+            };
+            let (a, b, c) = (place(a), place(b), place(c));
+            let volumes = [b.cross(c), c.cross(a), a.cross(b)];
+            let scale = 1.0 / (volumes[0].z + volumes[1].z + volumes[2].z);
+            // else seen edge on, by rounding alone
+            let is_usual = scale.abs() <= f64::MAX;
+            for k in 0..3 {
+                let volume = volumes[k] * scale;
+                weights[k].start[i] = if is_usual { volume.z as f32 } else { 1.0 / 3.0 };
+                weights[k].across[i] = if is_usual { volume.x as f32 } else { 0.0 };
+                weights[k].up[i] = if is_usual { volume.y as f32 } else { 0.0 };
+            }
+        }
+        weights
+    }
+
+    /// Shading normals by coordinate, render space.
+    #[inline(always)]
+    fn normals(&self, render_from_normal: &Mat3, weights: &[Forms; 3]) -> [Forms; 3] {
+        let mut normals = [Forms::default(); 3];
+        let [a, b, c] = &self.normals;
+        for i in 0..BATCH {
+            let moved = |n: &[Each<f32>; 3]| render_from_normal.mul_vec3(Vec3::new(n[0][i], n[1][i], n[2][i]));
+            let (a, b, c) = (moved(a), moved(b), moved(c));
+            let [p, q, r] = weights;
+            let start = a * p.start[i] + b * q.start[i] + c * r.start[i];
+            let across = a * p.across[i] + b * q.across[i] + c * r.across[i];
+            let up = a * p.up[i] + b * q.up[i] + c * r.up[i];
+            for axis in 0..3 {
+                normals[axis].start[i] = start[axis];
+                normals[axis].across[i] = across[axis];
+                normals[axis].up[i] = up[axis];
+            }
+        }
+        normals
+    }
+}
+
+/// Forms of a batch.
+#[derive(Clone, Copy, Default)]
+struct Forms {
+    start: Each<f32>,
+    across: Each<f32>,
+    up: Each<f32>,
+}
+
+impl Forms {
+    #[inline(always)]
+    fn get(&self, i: usize) -> Form<f32> {
+        Form { start: self.start[i], across: self.across[i], up: self.up[i] }
+    }
+}
+
+/// Shading normals of a triangle's corners, object space.
 #[inline(always)]
-fn display_color(mesh: &RenderMesh, index: u32, weights: &[Form<f32>; 3]) -> Base {
-    let Some(color) = &mesh.attributes.display_color else { return Base::Same(in_unit(Rgb(FALLBACK_COLOR))) };
-    let corners = color.at_vertices(&mesh.shape.mesh, index);
-    match color.interpolation() {
-        Interpolation::Constant | Interpolation::Uniform => Base::Same(in_unit(Rgb(corners[0]))),
-        Interpolation::Varying | Interpolation::Vertex | Interpolation::FaceVarying => {
-            let sum = |weight: fn(&Form<f32>) -> f32| weights.iter().map(weight).sum();
-            let whole = Form { start: sum(|w| w.start), across: sum(|w| w.across), up: sum(|w| w.up) };
-            Base::Varying(Box::new((Form::weighed(corners, weights), whole)))
-        }
+fn corner_normals(mesh: &RenderMesh, seen: &Seen<'_, '_>) -> [Vec3; 3] {
+    seen.normals().unwrap_or_else(|| match &mesh.attributes.normals {
+        Some(normals) => normals.at_vertices(&mesh.shape.mesh, seen.triangle()),
+        None => [unit_normal(seen.corners()); 3],
+    })
+}
+
+/// Shading normal of a triangle, render space, not of unit length.
+pub fn shading_normal(placement: &Placement, mesh: &RenderMesh, triangle: u32, barycentrics: [f32; 3]) -> Vec3 {
+    let normals = mesh.attributes.normals.as_ref();
+    let normal = normals.map(|n| n.eval(&mesh.shape.mesh, triangle, barycentrics));
+    match normal.filter(|n| n.length_squared() > 0.0) {
+        Some(normal) => placement.render_from_normal * normal,
+        None => face_normal(placement, mesh, triangle),
     }
 }
 
-/// Weights of a triangle's corners, from a pixel on, that are as the barycentrics: at that pixel they have the sum one.
-///
-/// A corner's is as the volume that the film position spans with the other two, all homogeneous.
-#[inline(always)]
-fn weights(grid: &Grid, film_from_object: &FilmFromObject, corners: &[Point3; 3], origin: [i32; 2]) -> [Form<f32>; 3] {
-    let [x, y] = grid.film_position(origin);
-    let mut places = [DVec3::ZERO; 3];
-    for (place, corner) in places.iter_mut().zip(corners) {
-        let p = film_from_object.apply(*corner);
-        let weight = grid.weight(&p);
-        *place = DVec3::new(p.x - x * weight, p.y - y * weight, weight);
-    }
-    let [a, b, c] = places;
-    let volumes = [b.cross(c), c.cross(a), a.cross(b)];
-    let scale = 1.0 / (volumes[0].z + volumes[1].z + volumes[2].z);
-    let mut weights = [Form { start: 1.0 / 3.0, across: 0.0, up: 0.0 }; 3];
-    // else seen edge on, by rounding alone
-    if scale.is_finite() {
-        for (weight, volume) in weights.iter_mut().zip(volumes) {
-            let [across, up, start] = (volume * scale).as_vec3().to_array();
-            *weight = Form { start, across, up };
-        }
-    }
-    weights
+/// The normal of a triangle itself, render space, not of unit length.
+pub fn face_normal(placement: &Placement, mesh: &RenderMesh, triangle: u32) -> Vec3 {
+    placement.render_from_normal * unit_normal(mesh.shape.triangle(triangle))
 }
 
-/// Of a triangle of any size, unit, object space.
-fn face_normal([a, b, c]: [Point3; 3]) -> Vec3 {
+/// Of a triangle of any size, object space.
+fn unit_normal([a, b, c]: [Point3; 3]) -> Vec3 {
     geometric_normal(a, b, c).0
 }

@@ -1,0 +1,89 @@
+//! The clusters of a square with their triangles at hand, and the numbers of those.
+
+use umber_math::{Point3, Vec3};
+
+use super::bins::Entry;
+use super::placement::Placement;
+use super::square::NOTHING;
+use crate::clusters::{CLUSTER, Cluster, LANES};
+use crate::scene::RenderScene;
+
+/// An entry with its triangles at hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    /// Where it may be seen.
+    pub entry: Entry,
+    /// Its triangles.
+    pub cluster: Cluster<'a>,
+    /// Shading normals at the cluster's points, object space, where its mesh has such.
+    normals: Option<&'a [Vec3]>,
+}
+
+impl<'a> Piece<'a> {
+    /// That of an entry.
+    #[inline]
+    pub fn new(scene: &'a RenderScene, placements: &[Placement], entry: Entry) -> Self {
+        let (mesh, index) = (placements[entry.placement as usize].mesh(scene), entry.cluster as usize);
+        let clusters = mesh.shape.clusters();
+        let normals = mesh.cluster_normals().map(|normals| &normals[clusters.points(index)]);
+        Self { entry, cluster: clusters.get(index), normals }
+    }
+}
+
+/// More entries of a square, 67 million, have no numbers left: of those in front that many are drawn.
+pub const MOST_ENTRIES: usize = NOTHING as usize / CLUSTER;
+
+/// Number of a triangle among those of a square's pieces, of which there are [`MOST_ENTRIES`].
+#[inline(always)]
+pub fn number(piece: usize, triangle: u32) -> u32 {
+    (piece * CLUSTER) as u32 + triangle
+}
+
+/// What has a number.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'p, 'a> {
+    piece: &'p Piece<'a>,
+    /// Which triangle of its cluster.
+    at: usize,
+}
+
+impl<'p, 'a> Seen<'p, 'a> {
+    /// By its number among the pieces of a square.
+    #[inline(always)]
+    pub fn new(pieces: &'p [Piece<'a>], number: u32) -> Self {
+        Self { piece: &pieces[number as usize / CLUSTER], at: number as usize % CLUSTER }
+    }
+    /// Index of the placement.
+    #[inline(always)]
+    pub fn placement(&self) -> u32 {
+        self.piece.entry.placement
+    }
+    /// Triangle of its mesh.
+    #[inline(always)]
+    pub fn triangle(&self) -> u32 {
+        self.piece.cluster.indices[self.at]
+    }
+
+    /// Its corners, object space.
+    #[inline(always)]
+    pub fn corners(&self) -> [Point3; 3] {
+        let [a, b, c] = self.piece.cluster.corners[self.at];
+        [self.corner(a), self.corner(b), self.corner(c)]
+    }
+    #[inline(always)]
+    fn corner(&self, number: u8) -> Point3 {
+        let (block, lane) = (&self.piece.cluster.points[usize::from(number) / LANES], usize::from(number) % LANES);
+        Point3(Vec3::new(block[0][lane], block[1][lane], block[2][lane]))
+    }
+    /// Shading normals of its corners, object space, where points have them.
+    #[inline(always)]
+    pub fn normals(&self) -> Option<[Vec3; 3]> {
+        let (normals, [a, b, c]) = (self.piece.normals?, self.piece.cluster.corners[self.at]);
+        Some([normals[usize::from(a)], normals[usize::from(b)], normals[usize::from(c)]])
+    }
+
+    /// Of what is as near, the smallest is seen: the one that a ray meets first.
+    pub fn rank(&self) -> (u32, u32) {
+        (self.placement(), self.triangle())
+    }
+}
