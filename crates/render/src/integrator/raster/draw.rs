@@ -87,6 +87,7 @@ impl<'a> Drawer<'a> {
         if around.is_hidden(&boxing, square) {
             return;
         }
+        pieces[at].prefetch_normals();
         // most triangles cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
         let mut count = 0;
         for (i, [a, b, c]) in cluster.corners.iter().enumerate() {
