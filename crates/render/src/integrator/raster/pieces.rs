@@ -70,22 +70,27 @@ impl<'p, 'a> Seen<'p, 'a> {
         self.piece.cluster.indices[self.at]
     }
 
-    /// Its corners, object space.
+    /// One of its corners, object space.
     #[inline(always)]
-    pub fn corners(&self) -> [Point3; 3] {
-        let [a, b, c] = self.piece.cluster.corners[self.at];
-        [self.corner(a), self.corner(b), self.corner(c)]
-    }
-    #[inline(always)]
-    fn corner(&self, number: u8) -> Point3 {
-        let (block, lane) = (&self.piece.cluster.points[usize::from(number) / LANES], usize::from(number) % LANES);
+    pub fn corner(&self, k: usize) -> Point3 {
+        let number = self.number(k);
+        let (block, lane) = (&self.piece.cluster.points[number / LANES], number % LANES);
         Point3(Vec3::new(block[0][lane], block[1][lane], block[2][lane]))
     }
-    /// Shading normals of its corners, object space, where points have them.
+    /// Whether its points have shading normals.
     #[inline(always)]
-    pub fn normals(&self) -> Option<[Vec3; 3]> {
-        let (normals, [a, b, c]) = (self.piece.normals?, self.piece.cluster.corners[self.at]);
-        Some([normals[usize::from(a)], normals[usize::from(b)], normals[usize::from(c)]])
+    pub fn has_normals(&self) -> bool {
+        self.piece.normals.is_some()
+    }
+    /// Shading normal of one of its corners, object space, where points have such.
+    #[inline(always)]
+    pub fn normal(&self, k: usize) -> Option<Vec3> {
+        Some(self.piece.normals?[self.number(k)])
+    }
+    /// Number of a corner among the cluster's points.
+    #[inline(always)]
+    fn number(&self, k: usize) -> usize {
+        usize::from(self.piece.cluster.corners[self.at][k])
     }
 
     /// Of what is as near, the smallest is seen: the one that a ray meets first.

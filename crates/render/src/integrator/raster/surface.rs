@@ -132,7 +132,7 @@ impl Surfaces {
         for (i, (number, [x, y])) in found.iter().take(BATCH).enumerate() {
             let seen = Seen::new(pieces, *number);
             let pixel = [rect.x as i32 + i32::from(*x), rect.y as i32 + i32::from(*y)];
-            batch.set(i, seen.corners(), corner_normals(mesh, &seen), grid.film_position(pixel));
+            batch.set(i, mesh, &seen, grid.film_position(pixel));
         }
         let weights = batch.weights(grid, &placement.film_from_object);
         let [x, y, z] = batch.normals(&placement.render_from_normal, &weights);
@@ -186,15 +186,17 @@ struct Batch {
 
 impl Batch {
     #[inline(always)]
-    fn set(&mut self, i: usize, corners: [Point3; 3], normals: [Vec3; 3], place: [f64; 2]) {
-        for k in 0..3 {
-            for axis in 0..3 {
-                self.corners[k][axis][i] = corners[k].0[axis];
-                self.normals[k][axis][i] = normals[k][axis];
-            }
-        }
+    fn set(&mut self, i: usize, mesh: &RenderMesh, seen: &Seen<'_, '_>, place: [f64; 2]) {
         for axis in 0..2 {
             self.places[axis][i] = place[axis];
+        }
+        // where its points have none
+        let normals = if seen.has_normals() { [Vec3::ZERO; 3] } else { corner_normals(mesh, seen) };
+        for (k, other) in normals.into_iter().enumerate() {
+            let (corner, normal) = (seen.corner(k).0.to_array(), seen.normal(k).unwrap_or(other).to_array());
+            for axis in 0..3 {
+                (self.corners[k][axis][i], self.normals[k][axis][i]) = (corner[axis], normal[axis]);
+            }
         }
     }
 
@@ -265,13 +267,12 @@ impl Forms {
     }
 }
 
-/// Shading normals of a triangle's corners, object space.
-#[inline(always)]
+/// Shading normals of a triangle's corners, object space, of a mesh whose points have none.
 fn corner_normals(mesh: &RenderMesh, seen: &Seen<'_, '_>) -> [Vec3; 3] {
-    seen.normals().unwrap_or_else(|| match &mesh.attributes.normals {
+    match &mesh.attributes.normals {
         Some(normals) => normals.at_vertices(&mesh.shape.mesh, seen.triangle()),
-        None => [unit_normal(seen.corners()); 3],
-    })
+        None => [unit_normal([seen.corner(0), seen.corner(1), seen.corner(2)]); 3],
+    }
 }
 
 /// Shading normal of a triangle, render space, not of unit length.
