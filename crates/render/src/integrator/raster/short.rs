@@ -216,7 +216,8 @@ impl Row {
             *nearness = short.nearness[i] + short.nearness_across[i] * f64::from(column + lane);
         }
         let (nearness_up, most_nearness) = (short.nearness_up[i], short.most_nearness[i]);
-        Self { values, up: short.up.map(|up| up[i]), nearness, nearness_up, most_nearness, rows: 0 }
+        let up = [short.up[0][i], short.up[1][i], short.up[2][i]];
+        Self { values, up, nearness, nearness_up, most_nearness, rows: 0 }
     }
     /// Goes to the next row.
     #[inline(always)]
@@ -236,10 +237,12 @@ impl Row {
     #[inline(always)]
     fn nearness(&self) -> [f32; LANES] {
         let up = self.nearness_up * f64::from(self.rows);
-        self.nearness.map(|first| {
-            let nearness = (first + up) as f32;
-            if nearness < self.most_nearness { nearness } else { self.most_nearness }
-        })
+        let mut nearness = [0.0; LANES];
+        for (nearness, first) in nearness.iter_mut().zip(&self.nearness) {
+            let at = (first + up) as f32;
+            *nearness = if at < self.most_nearness { at } else { self.most_nearness };
+        }
+        nearness
     }
     /// Shows it where nothing is as near. `levels` gets bits where it is as near as what is shown.
     #[inline(always)]
