@@ -5,6 +5,7 @@
 //! Pieces of the scene and squares of the film go to all threads; which thread took which changes nothing.
 
 mod bins;
+mod boxing;
 mod centers;
 mod clip;
 mod draw;

@@ -4,7 +4,7 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_math::{Rgb, Vec3, Vector3};
 use umber_settings::RasterColor;
 
-use super::super::tile::{kept, keeps};
+use super::super::tile::{keeps, kept};
 use super::centers;
 use super::pieces::{Piece, Seen};
 use super::placement::Placement;
@@ -87,7 +87,8 @@ impl Row {
     #[inline(always)]
     fn lacks_normal(&self, i: usize) -> bool {
         let [x, y, z] = &self.normals;
-        (self.coverages[i] > 0.0) & !(x[i] * x[i] + y[i] * y[i] + z[i] * z[i] > 0.0)
+        let squared = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+        (self.coverages[i] > 0.0) & (squared.is_nan() | (squared <= 0.0))
     }
 
     /// Radiance by channel, lit from the eye. `start`, `step`: direction of the first view ray, and its change.

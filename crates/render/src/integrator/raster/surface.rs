@@ -187,9 +187,7 @@ struct Batch {
 impl Batch {
     #[inline(always)]
     fn set(&mut self, i: usize, mesh: &RenderMesh, seen: &Seen<'_, '_>, place: [f64; 2]) {
-        for axis in 0..2 {
-            self.places[axis][i] = place[axis];
-        }
+        (self.places[0][i], self.places[1][i]) = (place[0], place[1]);
         // where its points have none
         let normals = if seen.has_normals() { [Vec3::ZERO; 3] } else { corner_normals(mesh, seen) };
         for (k, other) in normals.into_iter().enumerate() {

@@ -7,8 +7,8 @@ use umber_math::{DAffine3, DVec2, DVec3, Point3, Vec3};
 use umber_scene::{Camera, CameraId, MeshId, MeshPatch, Projection, SceneEdit, SubdivisionScheme, Topology};
 use umber_settings::Value;
 
+use super::boxing::Boxing;
 use super::clip::clip;
-use super::draw::Boxing;
 use super::fill::{Rules, Triangle};
 use super::project::{Grid, Homogeneous, Vertex};
 use super::short::{BATCH, Batch, Short};
