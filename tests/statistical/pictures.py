@@ -24,8 +24,13 @@ def seeds() -> list[int]:
     return [1000 * (i + 1) for i in range(count)] or [0]
 
 
-def load(stage: Usd.Stage, size: tuple[int, int], time: Usd.TimeCode | None = None) -> Session:
-    """A session that has the stage, seen by its first camera. What the reader cannot read yet skips the test."""
+def load(
+    stage: Usd.Stage, size: tuple[int, int], time: Usd.TimeCode | None = None, *, shares: bool = False
+) -> Session:
+    """A session that has the stage, seen by its first camera. What the reader cannot read yet skips the test.
+
+    `shares`: neighbours may share their paths, where that pays. Else pixels are independent.
+    """
     when = time or Usd.TimeCode.EarliestTime()
     cameras = [UsdGeom.Camera(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Camera)]
     warnings: list[str] = []
@@ -33,6 +38,7 @@ def load(stage: Usd.Stage, size: tuple[int, int], time: Usd.TimeCode | None = No
     session.set("enableInteractive", "false")
     session.set("domeLightCameraVisibility", "true")
     session.set("umber:maxBounces", "8")
+    session.set("umber:pathReuse", str(shares).lower())
     session.camera(read_camera(cameras[0], when))
     session.purposes(sorted(PURPOSES))
     feed(session, read_stage(stage, when, PURPOSES, warnings.append))
@@ -54,12 +60,12 @@ def render(session: Session, samples: int, seed: int) -> Picture:
     return session.resolve("color")[..., :3].astype(np.float64)
 
 
-def blocks(pictures: Picture) -> Picture:
+def blocks(pictures: Picture, edge: int = BLOCK) -> Picture:
     """Means of blocks of (..., height, width, channels); what fills no block is left out."""
     *outer, height, width, channels = pictures.shape
-    rows, columns = height // BLOCK, width // BLOCK
-    cut = pictures[..., : rows * BLOCK, : columns * BLOCK, :]
-    return cut.reshape(*outer, rows, BLOCK, columns, BLOCK, channels).mean(axis=(-4, -2))
+    rows, columns = height // edge, width // edge
+    cut = pictures[..., : rows * edge, : columns * edge, :]
+    return cut.reshape(*outer, rows, edge, columns, edge, channels).mean(axis=(-4, -2))
 
 
 def open_stage(file: Path) -> Usd.Stage:

@@ -75,12 +75,13 @@ impl<T: AttributeValue> Attribute<T> {
     /// The values at the three vertices of a triangle (all alike where constant or uniform).
     #[inline]
     pub fn at_vertices(&self, mesh: &TriangleMesh, triangle: u32) -> [T; 3] {
-        self.of_indices(self.indices_at_vertices(mesh, triangle))
+        let Some([a, b, c]) = self.indices_at_vertices(mesh, triangle) else { return [T::default(); 3] };
+        [self.value(a), self.value(b), self.value(c)]
     }
 
     /// Indices of the values at a triangle's vertices; `None` where the mesh lacks the triangle.
     #[inline]
-    pub fn indices_at_vertices(&self, mesh: &TriangleMesh, triangle: u32) -> Option<[u32; 3]> {
+    fn indices_at_vertices(&self, mesh: &TriangleMesh, triangle: u32) -> Option<[u32; 3]> {
         let t = triangle as usize;
         match self.interpolation {
             Interpolation::Constant => Some([0; 3]),
@@ -88,13 +89,6 @@ impl<T: AttributeValue> Attribute<T> {
             Interpolation::Varying | Interpolation::Vertex => mesh.triangles.get(t).copied(),
             Interpolation::FaceVarying => mesh.corners.get(t).copied(),
         }
-    }
-
-    /// The values of some indices; zeros for none.
-    #[inline]
-    pub fn of_indices(&self, indices: Option<[u32; 3]>) -> [T; 3] {
-        let Some([a, b, c]) = indices else { return [T::default(); 3] };
-        [self.value(a), self.value(b), self.value(c)]
     }
 
     #[inline]

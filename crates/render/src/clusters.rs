@@ -81,23 +81,29 @@ impl Clusters {
     pub fn len(&self) -> usize {
         self.bounds.len()
     }
+    /// How many points all groups have.
+    pub fn point_count(&self) -> usize {
+        self.points.len() * LANES
+    }
     /// A box around a group, object space.
     pub fn bounds(&self, cluster: usize) -> Bounds3 {
         self.bounds[cluster]
     }
     /// Values at the points of all groups, of what gives those at the corners of any of the mesh's triangles; numbered
     /// as [`Clusters::points`] says.
-    pub fn at_points<T: Copy + Default>(&self, at_corners: impl Fn(u32) -> [T; 3]) -> Vec<T> {
-        let mut values = vec![T::default(); self.points.len() * LANES];
-        for cluster in 0..self.len() {
-            let (values, Cluster { corners, indices, .. }) = (&mut values[self.points(cluster)], self.get(cluster));
+    pub fn at_points<T: Copy + Default + Send>(&self, at_corners: impl Fn(u32) -> [T; 3] + Sync) -> Vec<T> {
+        let of_group = |cluster: usize| {
+            let mut values = vec![T::default(); self.points(cluster).len()];
+            let Cluster { corners, indices, .. } = self.get(cluster);
             for (numbers, index) in corners.iter().zip(indices) {
                 for (number, value) in numbers.iter().zip(at_corners(*index)) {
                     values[usize::from(*number)] = value;
                 }
             }
-        }
-        values
+            values
+        };
+        let groups: Vec<Vec<T>> = (0..self.len()).into_par_iter().map(of_group).collect();
+        groups.concat()
     }
     /// Which of all groups' points are a group's.
     pub fn points(&self, cluster: usize) -> Range<usize> {

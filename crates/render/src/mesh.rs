@@ -44,7 +44,7 @@ impl MeshShape {
     }
 }
 
-/// What spreads over a mesh.
+/// What spreads over a mesh. It belongs to the shape that it was compiled for.
 #[derive(Debug, Default)]
 pub struct MeshAttributes {
     /// Shading normals, object space; `None`: flat.
@@ -55,8 +55,21 @@ pub struct MeshAttributes {
     pub display_opacity: Option<Attribute<f32>>,
     /// `st`.
     pub st: Option<Attribute<Vec2>>,
-    /// Made when a rasteriser first asks for them; see [`RenderMesh::cluster_normals`].
-    pub cluster_normals: OnceLock<Option<Vec<Vec3>>>,
+    /// Of [`RenderMesh::cluster_normals`]; made when a rasteriser first asks for them.
+    pub(crate) cluster_normals: OnceLock<Option<Vec<Vec3>>>,
+}
+
+impl MeshAttributes {
+    /// Bytes that are made of them for rasterisers.
+    pub fn raster_bytes(&self) -> usize {
+        self.cluster_normals.get().map_or(0, |normals| size_of_val(normals.as_deref().unwrap_or_default()))
+    }
+    /// Whether each triangle has one shading normal.
+    pub fn is_flat(&self) -> bool {
+        self.normals
+            .as_ref()
+            .is_none_or(|n| matches!(n.interpolation(), Interpolation::Constant | Interpolation::Uniform))
+    }
 }
 
 /// Index of a material that means: none bound, show displayColor.
@@ -98,7 +111,9 @@ impl RenderMesh {
             Interpolation::Uniform | Interpolation::FaceVarying => false,
         });
         let make = || normals.map(|n| self.shape.clusters().at_points(|triangle| n.at_vertices(mesh, triangle)));
-        self.attributes.cluster_normals.get_or_init(make).as_deref()
+        let all = self.attributes.cluster_normals.get_or_init(make).as_deref();
+        debug_assert!(all.is_none_or(|all| all.len() == self.shape.clusters().point_count()));
+        all
     }
 
     /// Whether some of its surface may let rays pass.

@@ -212,10 +212,9 @@ pub(super) fn kept(scene: &RenderScene, radiance: Rgb) -> Rgb {
     clamped(finite(radiance), scene.settings.firefly_clamp)
 }
 
-/// Whether [`kept`] changes none of some channels.
+/// Whether [`kept`] changes none of some channels, at a setting of `umber:fireflyClamp`.
 #[inline(always)]
-pub(super) fn keeps(scene: &RenderScene, channels: &[f32]) -> bool {
-    let clamp = scene.settings.firefly_clamp;
+pub(super) fn keeps(clamp: f32, channels: &[f32]) -> bool {
     let largest = if clamp > 0.0 { clamp.min(LARGEST) } else { LARGEST };
     channels.iter().fold(true, |all, v| all & (*v >= 0.0) & (*v <= largest))
 }
@@ -232,4 +231,24 @@ const LARGEST: f32 = 1e30;
 /// Nothing may poison a pixel: what is not a number counts as black, what is too large is cut.
 fn finite(radiance: Rgb) -> Rgb {
     if radiance.0.is_nan() { Rgb::BLACK } else { Rgb(radiance.0.clamp(glam::Vec3::ZERO, glam::Vec3::splat(LARGEST))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn what_is_kept_as_it_is_is_known_beforehand() {
+        for clamp in [0.0, 2.0] {
+            for odd in [0.0, 1.0, 2.0, 2.0f32.next_up(), 1e30, 1e30f32.next_up(), f32::INFINITY, f32::NAN, -1.0] {
+                for place in 0..3 {
+                    let mut channels = [0.5; 3];
+                    channels[place] = odd;
+                    let color = Rgb(Vec3::from(channels));
+                    assert_eq!(keeps(clamp, &channels), clamped(finite(color), clamp) == color, "{odd}, clamp {clamp}");
+                }
+            }
+        }
+    }
 }

@@ -110,8 +110,9 @@ impl Worker {
             lights: scene.lights.lights().len() as u64,
             // the black one is the compiler's own
             materials: scene.materials.len().saturating_sub(1) as u64,
-            geometry_bytes: (shapes().map(|shape| shape.memory_bytes()).sum::<usize>() + scene.top.memory_bytes())
-                as u64,
+            geometry_bytes: (shapes().map(|shape| shape.memory_bytes()).sum::<usize>()
+                + scene.meshes.iter().map(|mesh| mesh.attributes.raster_bytes()).sum::<usize>()
+                + scene.top.memory_bytes()) as u64,
             film_bytes: film.memory_bytes(if scene.settings.converged_variance >= 0.0 { 2 } else { 1 }) as u64,
             relative_variance: -1.0,
             path_group: 1,

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use umber_settings::RasterColor;
 
 use super::super::Stop;
 use super::placement::Placement;
@@ -39,10 +40,16 @@ pub struct Bins {
 impl Bins {
     /// Of all clusters; some where stopped.
     pub fn new(scene: &RenderScene, grid: &Grid, placements: &[Placement], stop: &Stop<'_>) -> Self {
-        // here, where all threads are at work
-        placements.par_iter().filter(|_| !stop.now()).for_each(|placement| {
-            placement.mesh(scene).shape.clusters();
-            placement.mesh(scene).cluster_normals();
+        // here, where all threads are at work; each mesh in one job, as what waits for a mesh may not be given it again
+        let mut meshes: Vec<u32> = placements.iter().map(|placement| placement.mesh).collect();
+        meshes.sort_unstable();
+        meshes.dedup();
+        let is_shaded = scene.settings.raster_color == RasterColor::Shaded;
+        meshes.par_iter().map(|mesh| &scene.meshes[*mesh as usize]).filter(|_| !stop.now()).for_each(|mesh| {
+            mesh.shape.clusters();
+            if is_shaded {
+                mesh.cluster_normals();
+            }
         });
         let runs: Vec<(usize, Range<usize>)> = (0..placements.len())
             .filter(|_| !stop.now())

@@ -90,7 +90,8 @@ impl Around {
             self.nearness[i] = larger(vertices.nearness[i], self.nearness[i]);
         }
     }
-    /// Whether a square shows nothing of them.
+    /// Whether a square shows nothing of triangles between them: nothing is drawn nearer than a triangle's corners. Never
+    /// where one of them has no place, as what is clipped may be elsewhere.
     #[inline(always)]
     pub fn is_hidden(&self, boxing: &Boxing, square: &Square) -> bool {
         let [x0, y0] = self.low.map(|low| low.into_iter().fold(i32::MAX, i32::min));

@@ -2,6 +2,7 @@
 
 use umber_bvh::prefetch;
 use umber_math::{Point3, Vec3};
+use umber_settings::RasterColor;
 
 use super::bins::Entry;
 use super::placement::Placement;
@@ -16,7 +17,7 @@ pub struct Piece<'a> {
     pub entry: Entry,
     /// Its triangles.
     pub cluster: Cluster<'a>,
-    /// Shading normals at the cluster's points, object space, where its mesh has such.
+    /// Shading normals at the cluster's points, object space, where its mesh has such and they are shaded by.
     normals: Option<&'a [Vec3]>,
 }
 
@@ -26,7 +27,9 @@ impl<'a> Piece<'a> {
     pub fn new(scene: &'a RenderScene, placements: &[Placement], entry: Entry) -> Self {
         let (mesh, index) = (placements[entry.placement as usize].mesh(scene), entry.cluster as usize);
         let clusters = mesh.shape.clusters();
-        let normals = mesh.cluster_normals().map(|normals| &normals[clusters.points(index)]);
+        let is_shaded = scene.settings.raster_color == RasterColor::Shaded;
+        let normals = if is_shaded { mesh.cluster_normals() } else { None };
+        let normals = normals.map(|normals| &normals[clusters.points(index)]);
         Self { entry, cluster: clusters.get(index), normals }
     }
     /// Asks for what shading reads and drawing does not.

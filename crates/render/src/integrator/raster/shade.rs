@@ -10,7 +10,8 @@ use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::Grid;
 use super::square::{NOTHING, Square};
-use super::surface::{BATCH, Surface, Surfaces, TilePixel, face_normal};
+use super::surface::{Surface, Surfaces, TilePixel, face_normal};
+use crate::clusters::LANES;
 use crate::film::{CenterHit, PixelSum, TILE, TileRect};
 use crate::scene::RenderScene;
 
@@ -25,7 +26,7 @@ pub struct Shader<'a> {
     found: Vec<(u32, TilePixel)>,
     /// Index of what is seen at each pixel among what was found; [`NONE`] where there is none.
     which: Vec<u32>,
-    /// Surfaces of what was found.
+    /// Surfaces of what was found, where they are lit.
     surfaces: Surfaces,
 }
 
@@ -122,8 +123,15 @@ impl<'a> Shader<'a> {
     /// Finds what is seen in a tile. False where nothing is.
     pub fn look(&mut self, square: &Square, pieces: &[Piece<'_>], rect: TileRect) -> bool {
         self.find(square, rect);
-        self.arch.dispatch(Prepare { shader: self, pieces, rect });
+        if self.is_shaded() {
+            self.arch.dispatch(Prepare { shader: self, pieces, rect });
+        }
         !self.found.is_empty()
+    }
+
+    /// Whether surfaces are lit, and not coloured at random.
+    fn is_shaded(&self) -> bool {
+        self.scene.settings.raster_color == RasterColor::Shaded
     }
 
     /// Fills `which` and `found`.
@@ -163,7 +171,7 @@ impl<'a> Shader<'a> {
         while let Some((first, _)) = found.first() {
             let placement = Seen::new(pieces, *first).placement();
             let is_of_another = |(number, _): &(u32, TilePixel)| Seen::new(pieces, *number).placement() != placement;
-            let most = found.len().min(BATCH);
+            let most = found.len().min(LANES);
             let (batch, rest) = found.split_at(found[..most].iter().position(is_of_another).unwrap_or(most));
             surfaces.add(scene, grid, &placements[placement as usize], rect, pieces, batch);
             found = rest;
@@ -172,7 +180,7 @@ impl<'a> Shader<'a> {
 
     /// Colours of the tile that was looked at.
     pub fn colors(&mut self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
-        if self.scene.settings.raster_color == RasterColor::Shaded {
+        if self.is_shaded() {
             return self.arch.dispatch(Headlit { shader: self, pieces, rect, sums });
         }
         sums.extend(self.which.iter().map(|which| match self.found.get(*which as usize) {
@@ -194,7 +202,7 @@ impl<'a> Shader<'a> {
             }
             let radiance = row.headlit(self.direction([rect.x as i32, (rect.y + y) as i32]), self.directions.across);
             let color = |i: usize| Rgb(Vec3::from(radiance.each_ref().map(|channel| channel[i])));
-            let all_kept = keeps(self.scene, radiance.as_flattened());
+            let all_kept = keeps(self.scene.settings.firefly_clamp, radiance.as_flattened());
             sums.extend((0..which.len()).map(|i| {
                 let color = if all_kept { color(i) } else { kept(self.scene, color(i)) };
                 PixelSum::of(color, row.coverages[i])

@@ -7,20 +7,21 @@ use umber_math::{DVec3, Point3, Rgb, Vec3};
 use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::{FilmFromObject, Grid};
-use crate::film::TileRect;
+use crate::clusters::LANES;
+use crate::film::{TILE, TileRect};
 use crate::material::in_unit;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
 use crate::surface::FALLBACK_COLOR;
 
-/// Surfaces that are made together.
-pub const BATCH: usize = 8;
-
-/// A number of each of them.
-type Each<T> = [T; BATCH];
+/// A number of each of the surfaces that are made together.
+type Each<T> = [T; LANES];
 
 /// A pixel, from the tile's first.
 pub type TilePixel = [u8; 2];
+
+// so are the pixels of a tile numbered, and its surfaces in 16 bits
+const _: () = assert!(TILE <= 255);
 
 /// A surface.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +77,8 @@ impl Surface {
     fn offset(&self, pixel: TilePixel) -> [f32; 2] {
         [0, 1].map(|axis| (i32::from(pixel[axis]) - i32::from(self.origin[axis])) as f32)
     }
-    /// Shading normal at a pixel, render space, not of unit length; zero, or not a number, where the mesh has none.
+    /// Shading normal at a pixel, render space, not of unit length; zero, or not a number, where those of its corners
+    /// are or cancel out.
     #[inline(always)]
     pub fn normal(&self, pixel: TilePixel) -> Vec3 {
         self.normal.at(self.offset(pixel))
@@ -115,7 +117,7 @@ impl Surfaces {
         }
     }
 
-    /// Adds those of triangles of one placement, [`BATCH`] at most: by their numbers among a square's pieces, each with
+    /// Adds those of triangles of one placement, [`LANES`] at most: by their numbers among a square's pieces, each with
     /// a pixel where it is seen. `rect`: of the tile.
     #[inline(always)]
     pub fn add(
@@ -128,16 +130,19 @@ impl Surfaces {
         found: &[(u32, TilePixel)],
     ) {
         let mesh = placement.mesh(scene);
-        let mut batch = Batch::default();
-        for (i, (number, [x, y])) in found.iter().take(BATCH).enumerate() {
+        let mut corners = Corners::default();
+        for (i, (number, [x, y])) in found.iter().take(LANES).enumerate() {
             let seen = Seen::new(pieces, *number);
             let pixel = [rect.x as i32 + i32::from(*x), rect.y as i32 + i32::from(*y)];
-            batch.set(i, mesh, &seen, grid.film_position(pixel));
+            corners.set(i, mesh, &seen, grid.film_position(pixel));
         }
-        let weights = batch.weights(grid, &placement.film_from_object);
-        let [x, y, z] = batch.normals(&placement.render_from_normal, &weights);
-        for (i, (number, origin)) in found.iter().take(BATCH).enumerate() {
+        let weights = corners.weights(grid, &placement.film_from_object);
+        // exact where the corners have one normal
+        let of_normals = if mesh.attributes.is_flat() { Forms::FIRST_ALONE } else { weights };
+        let [x, y, z] = corners.normals(&placement.render_from_normal, &of_normals);
+        for (i, (number, origin)) in found.iter().take(LANES).enumerate() {
             let seen = Seen::new(pieces, *number);
+            // which triangle of the mesh it is, is read from far away: only where it matters
             let material = match &mesh.face_materials {
                 Some(_) => mesh.material_of(seen.triangle()),
                 None => mesh.material,
@@ -175,16 +180,16 @@ impl Surfaces {
     }
 }
 
-/// Triangles that are made ready together: by corner and coordinate.
+/// Corners of triangles whose surfaces are made together: by corner and coordinate.
 #[derive(Default)]
-struct Batch {
-    corners: [[Each<f32>; 3]; 3],
+struct Corners {
+    points: [[Each<f32>; 3]; 3],
     normals: [[Each<f32>; 3]; 3],
     /// Film positions of the pixels from which forms count.
     places: [Each<f64>; 2],
 }
 
-impl Batch {
+impl Corners {
     #[inline(always)]
     fn set(&mut self, i: usize, mesh: &RenderMesh, seen: &Seen<'_, '_>, place: [f64; 2]) {
         (self.places[0][i], self.places[1][i]) = (place[0], place[1]);
@@ -193,7 +198,7 @@ impl Batch {
         for (k, other) in normals.into_iter().enumerate() {
             let (corner, normal) = (seen.corner(k).0.to_array(), seen.normal(k).unwrap_or(other).to_array());
             for axis in 0..3 {
-                (self.corners[k][axis][i], self.normals[k][axis][i]) = (corner[axis], normal[axis]);
+                (self.points[k][axis][i], self.normals[k][axis][i]) = (corner[axis], normal[axis]);
             }
         }
     }
@@ -205,8 +210,8 @@ impl Batch {
     #[inline(always)]
     fn weights(&self, grid: &Grid, film_from_object: &FilmFromObject) -> [Forms; 3] {
         let mut weights = [Forms::default(); 3];
-        let [a, b, c] = &self.corners;
-        for i in 0..BATCH {
+        let [a, b, c] = &self.points;
+        for i in 0..LANES {
             let (x, y) = (self.places[0][i], self.places[1][i]);
             let place = |corner: &[Each<f32>; 3]| {
                 let p = film_from_object.apply(Point3(Vec3::new(corner[0][i], corner[1][i], corner[2][i])));
@@ -233,7 +238,7 @@ impl Batch {
     fn normals(&self, render_from_normal: &Mat3, weights: &[Forms; 3]) -> [Forms; 3] {
         let mut normals = [Forms::default(); 3];
         let [a, b, c] = &self.normals;
-        for i in 0..BATCH {
+        for i in 0..LANES {
             let moved = |n: &[Each<f32>; 3]| render_from_normal.mul_vec3(Vec3::new(n[0][i], n[1][i], n[2][i]));
             let (a, b, c) = (moved(a), moved(b), moved(c));
             let [p, q, r] = weights;
@@ -250,7 +255,7 @@ impl Batch {
     }
 }
 
-/// Forms of a batch.
+/// Forms of surfaces that are made together.
 #[derive(Clone, Copy, Default)]
 struct Forms {
     start: Each<f32>,
@@ -259,6 +264,10 @@ struct Forms {
 }
 
 impl Forms {
+    const ZERO: Self = Self { start: [0.0; LANES], across: [0.0; LANES], up: [0.0; LANES] };
+    /// Weights by which the first of three values counts everywhere, and no other.
+    const FIRST_ALONE: [Self; 3] = [Self { start: [1.0; LANES], ..Self::ZERO }, Self::ZERO, Self::ZERO];
+
     #[inline(always)]
     fn get(&self, i: usize) -> Form<f32> {
         Form { start: self.start[i], across: self.across[i], up: self.up[i] }

@@ -7,13 +7,14 @@ use umber_math::{DAffine3, DVec2, DVec3, Point3, Vec3};
 use umber_scene::{Camera, CameraId, MeshId, MeshPatch, Projection, SceneEdit, SubdivisionScheme, Topology};
 use umber_settings::Value;
 
-use super::boxing::Boxing;
+use super::boxing::{Around, Boxing};
 use super::clip::clip;
 use super::fill::{Rules, Triangle};
-use super::project::{Grid, Homogeneous, Vertex};
+use super::project::{Grid, Homogeneous, Vertex, Vertices};
 use super::short::{BATCH, Batch, Short};
 use super::square::{NOTHING, Square};
 use crate::camera::RenderCamera;
+use crate::clusters::LANES;
 use crate::{Aov, BufferFormat, FilmDesc, Session};
 
 const SIZE: usize = 80;
@@ -114,6 +115,59 @@ fn noise(seed: &mut u32) -> f64 {
     *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((*seed >> ((*seed >> 28) + 4)) ^ *seed).wrapping_mul(277_803_737);
     f64::from(word >> 22 ^ word) / f64::from(u32::MAX)
+}
+
+/// What a square is said to hide changes nothing there: blocks of points before and behind what its left half shows.
+#[test]
+fn hidden_points_have_hidden_triangles() {
+    let (mut seed, mut hidden, mut behind) = (5, [0; 2], 0);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let middle = if projection == Projection::Perspective { 0.5 } else { -20.0 };
+        for size in [1, 31, 80] {
+            let grid = grid_of(projection, size);
+            let squares = Square::counts(&grid).into_iter().product::<usize>();
+            for case in 0..400 {
+                let mut random = |least: f64, most: f64| least + (most - least) * noise(&mut seed);
+                let mut square = Square::new();
+                square.start(&grid, case % squares);
+                let half = 0.5 * size as f64;
+                let screen = [[-half, -3.0 * half], [-half, 3.0 * half], [0.2 * half, 0.0]];
+                let screen = screen.map(|[x, y]| Vertex { nearness: middle, ..at(&grid, x, y) });
+                let boxed = |corners: [Vertex; 3], square: &Square| {
+                    Some((corners, Boxing::new(&grid, square).range(&corners)?))
+                };
+                if let Some((corners, pixels)) = boxed(screen, &square) {
+                    draw_alone(&grid, &mut square, &(1000, corners, pixels));
+                }
+                let (place, extent) = ([random(-half, half), random(-half, half)], random(0.1, 0.1 * half + 1.0));
+                let off = (case % 10 == 9).then_some(case / 10 % LANES);
+                let mut points = Vertices { x: [0; LANES], y: [0; LANES], nearness: [0.0; LANES] };
+                for i in 0..LANES {
+                    let [x, y] = place.map(|v| v + random(-extent, extent));
+                    let vertex = if off == Some(i) { Vertex::OFF_GRID } else { at(&grid, x, y) };
+                    let nearness = middle - middle.abs() * random(-0.02, 0.3) as f32;
+                    (points.x[i], points.y[i], points.nearness[i]) = (vertex.x, vertex.y, nearness);
+                }
+                let mut around = Around::NOTHING;
+                around.add(&points);
+                if !around.is_hidden(&Boxing::new(&grid, &square), &square) {
+                    continue;
+                }
+                assert_eq!(off, None);
+                let shown = square.shown();
+                let triples = (0..LANES).map(|i| [i, (i + 1) % LANES, (i + 3) % LANES].map(|i| points.get(i)));
+                for (number, (corners, pixels)) in
+                    (0..).zip(triples.filter_map(|t| boxed(t, &square)).collect::<Vec<_>>())
+                {
+                    draw_alone(&grid, &mut square, &(number, corners, pixels));
+                    behind += 1;
+                }
+                assert_eq!(shown, square.shown());
+                hidden[usize::from(projection == Projection::Perspective)] += 1;
+            }
+        }
+    }
+    assert!(hidden.iter().all(|count| *count > 100) && behind > 100, "{hidden:?} {behind}");
 }
 
 /// A fan around a point covers its polygon without a hole, wherever its edges go: also through pixels' middles, at
