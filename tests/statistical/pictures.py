@@ -24,9 +24,7 @@ def seeds() -> list[int]:
     return [1000 * (i + 1) for i in range(count)] or [0]
 
 
-def load(
-    stage: Usd.Stage, size: tuple[int, int], time: Usd.TimeCode | None = None, *, shares: bool = False
-) -> Session:
+def load(stage: Usd.Stage, size: tuple[int, int], time: Usd.TimeCode | None = None, *, shares: bool = False) -> Session:
     """A session that has the stage, seen by its first camera. What the reader cannot read yet skips the test.
 
     `shares`: neighbours may share their paths, where that pays. Else pixels are independent.

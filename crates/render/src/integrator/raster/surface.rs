@@ -138,8 +138,8 @@ impl Surfaces {
         }
         let weights = corners.weights(grid, &placement.film_from_object);
         // exact where the corners have one normal
-        let of_normals = if mesh.attributes.is_flat() { Forms::FIRST_ALONE } else { weights };
-        let [x, y, z] = corners.normals(&placement.render_from_normal, &of_normals);
+        let of_normals = if mesh.attributes.is_flat() { &Forms::FIRST_ALONE } else { &weights };
+        let [x, y, z] = corners.normals(&placement.render_from_normal, of_normals);
         for (i, (number, origin)) in found.iter().take(LANES).enumerate() {
             let seen = Seen::new(pieces, *number);
             // which triangle of the mesh it is, is read from far away: only where it matters
