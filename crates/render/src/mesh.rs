@@ -103,13 +103,12 @@ impl RenderMesh {
     }
 
     /// Shading normals at the points of its clusters, object space, numbered as [`Clusters::points`] says. `None` where
-    /// it is flat, or triangles that share a point have others there.
+    /// its points have none of their own.
     pub fn cluster_normals(&self) -> Option<&[Vec3]> {
         let MeshShape { mesh, .. } = &*self.shape;
-        let normals = self.attributes.normals.as_ref().filter(|normals| match normals.interpolation() {
-            Interpolation::Constant | Interpolation::Varying | Interpolation::Vertex => true,
-            Interpolation::Uniform | Interpolation::FaceVarying => false,
-        });
+        let of_points =
+            |n: &&Attribute<Vec3>| matches!(n.interpolation(), Interpolation::Varying | Interpolation::Vertex);
+        let normals = self.attributes.normals.as_ref().filter(of_points);
         let make = || normals.map(|n| self.shape.clusters().at_points(|triangle| n.at_vertices(mesh, triangle)));
         let all = self.attributes.cluster_normals.get_or_init(make).as_deref();
         debug_assert!(all.is_none_or(|all| all.len() == self.shape.clusters().point_count()));

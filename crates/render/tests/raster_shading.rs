@@ -68,7 +68,7 @@ fn values(interpolation: Interpolation, value: &dyn Fn(usize) -> Vec3) -> Primva
     primvar(interpolation, values)
 }
 
-/// Colours of two waves that are told apart by the change, side by side and through one another.
+/// Colours of two waves with the same change, through one another.
 fn rendered(change: &dyn Fn(MeshPatch) -> MeshPatch) -> Vec<Color> {
     let session = waves(change);
     finish(&session);

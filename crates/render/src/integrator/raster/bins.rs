@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use umber_settings::RasterColor;
 
 use super::super::Stop;
 use super::placement::Placement;
 use super::project::Grid;
 use super::reach::Reach;
+use super::shade::is_lit;
 use super::square::{SQUARE, Square};
 use crate::scene::RenderScene;
 
@@ -44,10 +44,9 @@ impl Bins {
         let mut meshes: Vec<u32> = placements.iter().map(|placement| placement.mesh).collect();
         meshes.sort_unstable();
         meshes.dedup();
-        let is_shaded = scene.settings.raster_color == RasterColor::Shaded;
         meshes.par_iter().map(|mesh| &scene.meshes[*mesh as usize]).filter(|_| !stop.now()).for_each(|mesh| {
             mesh.shape.clusters();
-            if is_shaded {
+            if is_lit(scene) {
                 mesh.cluster_normals();
             }
         });

@@ -2,10 +2,10 @@
 
 use umber_bvh::prefetch;
 use umber_math::{Point3, Vec3};
-use umber_settings::RasterColor;
 
 use super::bins::Entry;
 use super::placement::Placement;
+use super::shade::is_lit;
 use super::square::NOTHING;
 use crate::clusters::{CLUSTER, Cluster, LANES};
 use crate::scene::RenderScene;
@@ -17,7 +17,7 @@ pub struct Piece<'a> {
     pub entry: Entry,
     /// Its triangles.
     pub cluster: Cluster<'a>,
-    /// Shading normals at the cluster's points, object space, where its mesh has such and they are shaded by.
+    /// Shading normals at the cluster's points, object space, where its mesh has such and surfaces are lit.
     normals: Option<&'a [Vec3]>,
 }
 
@@ -27,8 +27,7 @@ impl<'a> Piece<'a> {
     pub fn new(scene: &'a RenderScene, placements: &[Placement], entry: Entry) -> Self {
         let (mesh, index) = (placements[entry.placement as usize].mesh(scene), entry.cluster as usize);
         let clusters = mesh.shape.clusters();
-        let is_shaded = scene.settings.raster_color == RasterColor::Shaded;
-        let normals = if is_shaded { mesh.cluster_normals() } else { None };
+        let normals = if is_lit(scene) { mesh.cluster_normals() } else { None };
         let normals = normals.map(|normals| &normals[clusters.points(index)]);
         Self { entry, cluster: clusters.get(index), normals }
     }

@@ -30,6 +30,11 @@ pub struct Shader<'a> {
     surfaces: Surfaces,
 }
 
+/// Whether surfaces are lit, and not coloured at random.
+pub fn is_lit(scene: &RenderScene) -> bool {
+    scene.settings.raster_color == RasterColor::Shaded
+}
+
 /// Of a pixel in which nothing is seen.
 const NONE: u32 = u32::MAX;
 
@@ -123,15 +128,10 @@ impl<'a> Shader<'a> {
     /// Finds what is seen in a tile. False where nothing is.
     pub fn look(&mut self, square: &Square, pieces: &[Piece<'_>], rect: TileRect) -> bool {
         self.find(square, rect);
-        if self.is_shaded() {
+        if is_lit(self.scene) {
             self.arch.dispatch(Prepare { shader: self, pieces, rect });
         }
         !self.found.is_empty()
-    }
-
-    /// Whether surfaces are lit, and not coloured at random.
-    fn is_shaded(&self) -> bool {
-        self.scene.settings.raster_color == RasterColor::Shaded
     }
 
     /// Fills `which` and `found`.
@@ -180,7 +180,7 @@ impl<'a> Shader<'a> {
 
     /// Colours of the tile that was looked at.
     pub fn colors(&mut self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
-        if self.is_shaded() {
+        if is_lit(self.scene) {
             return self.arch.dispatch(Headlit { shader: self, pieces, rect, sums });
         }
         sums.extend(self.which.iter().map(|which| match self.found.get(*which as usize) {
