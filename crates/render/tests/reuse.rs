@@ -8,7 +8,7 @@ use umber_render::Session;
 use umber_scene::{Light, LightId, LightKind, MeshPatch, SceneEdit};
 
 /// Samples a pixel with which the film is worth a trial.
-const MANY: i64 = 512;
+const MANY: i64 = 1024;
 
 /// A matt room with a small lamp; the camera is in there.
 fn room(lamp: Light) -> Session {

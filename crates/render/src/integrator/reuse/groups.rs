@@ -10,7 +10,7 @@ const STREAM: u64 = 4;
 /// So many samples in a row have the same groups: points of a pixel are stratified over such runs, and so are then
 /// those that a group shares. Measured in a Cornell box at 64 samples, the variance is 22 % larger with 1 than with 16,
 /// and 8 % larger with 4; but with 16, groups show in a picture of 16 samples.
-const RUN: u32 = 4;
+pub(super) const RUN: u32 = 4;
 
 /// The runs that samples of some numbers belong to, whole ones.
 pub(in crate::integrator) fn runs(numbers: Range<u32>) -> impl Iterator<Item = Range<u32>> {
