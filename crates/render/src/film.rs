@@ -228,9 +228,9 @@ mod tests {
         {
             let mut tile = film.tile(1);
             assert_eq!(tile.rect, TileRect { x: 16, y: 0, width: 4, height: 3 });
-            tile.halves[0].prepare(12, false);
-            tile.halves[0].add(4, Rgb::new(1.0, 0.0, 0.0), 1.0, 1);
-            tile.halves[0].add(4, Rgb::BLACK, 0.0, 1);
+            tile.halves[0].prepare(12, None);
+            tile.halves[0].add(4, Rgb::new(1.0, 0.0, 0.0), 1.0);
+            tile.halves[0].add(4, Rgb::BLACK, 0.0);
         }
         let mut out = vec![0u8; 20 * 3 * 16];
         assert!(film.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));

@@ -64,8 +64,8 @@ pub struct Goal<'a> {
 pub enum Target<'a> {
     /// All to the same count.
     Even,
-    /// To counts that are not known yet: all the same so far, in two halves.
-    Pilot,
+    /// To counts that are not known yet: all to so many so far, in two halves.
+    Pilot(u32),
     /// To the counts of a plan.
     Planned(&'a Plan),
 }
@@ -76,11 +76,18 @@ impl Goal<'_> {
         let halves = adaptive::halves(self.samples);
         match self.target {
             Target::Even => [self.samples, 0],
-            Target::Pilot => halves,
+            Target::Pilot(_) => halves,
             Target::Planned(plan) => {
                 let planned = plan.counts(x, y);
                 std::array::from_fn(|half| planned[half].min(halves[half]))
             }
+        }
+    }
+    /// Samples of each of the two runs of a half that are to tell how many more it needs; `None` where that is known.
+    fn run(&self, half: u32) -> Option<u32> {
+        match self.target {
+            Target::Pilot(samples) => Some(adaptive::halves(samples)[half as usize] / 2),
+            _ => None,
         }
     }
     /// Seed of the sequence of a half: halves share no sample, and are independent.

@@ -42,33 +42,31 @@ impl PixelSum {
     }
 }
 
-/// What the same samples tell about how many more there should be.
+/// What the samples of a pilot, or of one half of it, tell about how many more there should be.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelSpread {
-    /// Sum of squared radiance.
-    squares: [f32; 3],
-    /// Rays that the samples took.
-    rays: u32,
+    /// Sum of the radiance of the first run.
+    first: [f32; 3],
 }
 
 impl PixelSpread {
-    /// Adds a sample that took some rays.
-    pub fn add(&mut self, rgb: Rgb, rays: u32) {
-        for (sum, v) in self.squares.iter_mut().zip(rgb.0.to_array()) {
-            *sum += v * v;
+    /// Takes in another sample. `sum`: with it.
+    fn add(&mut self, sum: &PixelSum, run: u32) {
+        if sum.samples == run {
+            self.first = [sum.color[0], sum.color[1], sum.color[2]];
         }
-        self.rays = self.rays.saturating_add(rays);
     }
-    /// Variance of one sample's radiance, channel by channel, as the samples show it.
-    pub fn variance(&self, sum: &PixelSum) -> DVec3 {
-        let (mean, n) = (sum.radiance(), f64::from(sum.samples.max(1)));
-        let squares = DVec3::from(self.squares.map(f64::from)) / n;
-        // one sample whose square is beyond single precision must not make sums over pixels infinite
-        (squares - mean * mean).clamp(DVec3::ZERO, DVec3::splat(LARGEST_VARIANCE)) * (n / (n - 1.0).max(1.0))
-    }
-    /// What one sample costs, in rays that meet something: one that leaves the scene at once costs about a fourth.
-    pub fn cost(&self, sum: &PixelSum) -> f64 {
-        (f64::from(self.rays) / f64::from(sum.samples.max(1)) - 0.75).max(0.25)
+    /// Variance of radiance, channel by channel, as two runs of `run` samples show it: that of a run's mean, times its
+    /// samples.
+    fn variance(&self, sum: &PixelSum, run: u32) -> DVec3 {
+        if run == 0 || sum.samples < 2 * run {
+            return DVec3::ZERO;
+        }
+        let first = DVec3::from(self.first.map(f64::from)) / f64::from(run);
+        // of two means: half of the square of their difference, which is twice that from the mean of both
+        let off = 2.0 * (first - sum.radiance());
+        // one sample that is beyond all measure must not make sums over pixels infinite
+        (off * off * (0.5 * f64::from(run))).min(DVec3::splat(LARGEST_VARIANCE))
     }
 }
 
@@ -76,30 +74,35 @@ impl PixelSpread {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Samples {
     pub sums: Vec<PixelSum>,
-    /// Kept where pixels get different counts.
+    /// Kept of a pilot.
     pub spreads: Vec<PixelSpread>,
+    /// Samples of each of the two runs that spreads tell of.
+    run: u32,
 }
 
 impl Samples {
-    /// Makes room for so many pixels.
-    pub fn prepare(&mut self, pixels: usize, with_spreads: bool) {
+    /// Makes room for so many pixels; for what two runs of `run` samples tell, where those are a pilot.
+    pub fn prepare(&mut self, pixels: usize, run: Option<u32>) {
         self.sums.resize(pixels, PixelSum::default());
-        self.spreads.resize(if with_spreads { pixels } else { 0 }, PixelSpread::default());
+        self.spreads.resize(if run.is_some() { pixels } else { 0 }, PixelSpread::default());
+        self.run = run.unwrap_or(0);
     }
     /// Takes all away, and keeps the memory.
     pub fn clear(&mut self) {
         self.sums.clear();
         self.spreads.clear();
     }
-    /// What is known of pixel `i`.
-    pub fn pixel(&self, i: usize) -> (PixelSum, PixelSpread) {
-        (self.sums.get(i).copied().unwrap_or_default(), self.spreads.get(i).copied().unwrap_or_default())
+    /// Mean radiance of pixel `i`, and the variance that a pilot shows, times samples, channel by channel.
+    pub fn spread(&self, i: usize) -> (DVec3, DVec3) {
+        let sum = self.sums.get(i).copied().unwrap_or_default();
+        let spread = self.spreads.get(i).copied().unwrap_or_default();
+        (sum.radiance(), spread.variance(&sum, self.run))
     }
-    /// Adds a sample of pixel `i` that took some rays.
-    pub fn add(&mut self, i: usize, rgb: Rgb, coverage: f32, rays: u32) {
+    /// Adds a sample of pixel `i`.
+    pub fn add(&mut self, i: usize, rgb: Rgb, coverage: f32) {
         self.sums[i].add(rgb, coverage);
         if let Some(spread) = self.spreads.get_mut(i) {
-            spread.add(rgb, rays);
+            spread.add(&self.sums[i], self.run);
         }
     }
 }

@@ -105,9 +105,9 @@ mod tests {
     #[test]
     fn pixels_without_samples_show_the_coarse_grid() {
         let mut tile = Tile::new(TileRect { x: 0, y: 0, width: 16, height: 16 });
-        tile.halves[0].prepare(256, false);
+        tile.halves[0].prepare(256, None);
         for (x, y, v) in [(0, 0, 1.0), (8, 0, 2.0), (0, 8, 3.0), (8, 8, 4.0), (12, 8, 5.0)] {
-            tile.halves[0].add(y * 16 + x, Rgb::splat(v), 1.0, 1);
+            tile.halves[0].add(y * 16 + x, Rgb::splat(v), 1.0);
         }
         let at = |x: usize, y: usize| {
             let mut row = [[0.0; 4]; 16];

@@ -5,7 +5,7 @@ use umber_sampling::Sampler;
 use umber_settings::{Integrator, Settings};
 
 use super::reuse::{self, Groups};
-use super::{Goal, RadianceSample, Stop, Target, TileWork, center, dimensions, mirror, path};
+use super::{Goal, RadianceSample, Stop, TileWork, center, dimensions, mirror, path};
 use crate::film::{Film, Samples, TileRect};
 use crate::scene::RenderScene;
 
@@ -26,7 +26,7 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
     }
     for (half, samples) in (0..).zip(&mut halves) {
         if goal.counts(rect.x, rect.y)[half as usize] > 0 {
-            samples.prepare(pixels, !matches!(goal.target, Target::Even));
+            samples.prepare(pixels, goal.run(half));
         }
         let sequence = Sequence { seed: goal.seed(scene, half), half, is_blue: spreads_blue_noise(&scene.settings) };
         let pass = Pass { scene, view_min: film.desc().data_window_min, rect, goal, stop, sequence };
@@ -165,7 +165,7 @@ impl<'a> Pass<'a> {
 
     #[inline]
     fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, rays: u64, work: &mut TileWork) {
-        samples.add(i, kept(self.scene, sample.radiance), sample.coverage, rays as u32);
+        samples.add(i, kept(self.scene, sample.radiance), sample.coverage);
         work.rays += rays;
         work.samples += 1;
     }

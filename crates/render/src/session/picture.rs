@@ -79,7 +79,9 @@ impl Picture {
                 let started = Instant::now();
                 let settings = &self.scene.settings;
                 let (target, most) = (settings.converged_variance, settings.converged_samples_per_pixel);
-                self.plan = Some(pool.install(|| adaptive::plan(&self.film, target, most)));
+                // pixels that share paths have their samples together
+                let by_tile = self.scene.path_group > 1;
+                self.plan = Some(pool.install(|| adaptive::plan(&self.film, target, most, by_tile)));
                 self.seconds += started.elapsed().as_secs_f64();
             }
         }
@@ -175,7 +177,7 @@ impl Picture {
         let stop = self.stop(shared, started);
         let target = match &self.plan {
             Some(plan) => Target::Planned(plan),
-            None if self.is_adaptive() => Target::Pilot,
+            None if self.is_adaptive() => Target::Pilot(self.pilot()),
             None => Target::Even,
         };
         let goal = Goal { samples, stride, target };

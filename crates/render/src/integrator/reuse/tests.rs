@@ -166,7 +166,7 @@ fn a_matt_room_has_the_same_mean_and_much_less_variance() {
 
 #[test]
 fn halves_of_an_adaptive_picture_share_as_well() {
-    assert!(ratio_of_variances(room(matt(0.7), matt(0.4)), Target::Pilot) < 0.45);
+    assert!(ratio_of_variances(room(matt(0.7), matt(0.4)), Target::Pilot(SAMPLES)) < 0.45);
 }
 
 #[test]
