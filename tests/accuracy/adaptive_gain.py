@@ -96,7 +96,7 @@ def main() -> None:
         for count, error, time in zip(counts, errors, seconds, strict=True):
             print(f"{name}: {count} samples a pixel: relMSE {error:.3e}, {time:.2f} s", flush=True)
         for target in errors[1:-1]:
-            found = [render(session, seed, LARGEST, 2.0 * target) for seed in range(arguments.rounds)]
+            found = [render(session, seed, LARGEST, target) for seed in range(arguments.rounds)]
             error = statistics.fmean(rel_mse(picture, truth) for picture, _ in found)
             time = statistics.median(stats["renderSeconds"] for _, stats in found)
             samples = statistics.median(stats["meanSamples"] for _, stats in found)
@@ -104,7 +104,7 @@ def main() -> None:
             line = np.polyfit(np.log(errors), np.log(seconds), 1)
             wanted = float(np.exp(np.polyval(line, np.log(error))))
             print(
-                f"{name}: target {2 * target:.3e}: relMSE {error:.3e} (own estimate {measured:.3e}), "
+                f"{name}: target {target:.3e}: relMSE {error:.3e} (own estimate {measured:.3e}), "
                 f"{samples:.1f} samples a pixel, {time:.2f} s: {time / wanted:.2f} of the time of equal counts",
                 flush=True,
             )

@@ -11,8 +11,8 @@ use umber_math::Rgb;
 use crate::aov::{Accumulation, Aov};
 use crate::format::BufferFormat;
 
+use pixel::encode;
 pub(crate) use pixel::{CenterHit, PixelSum, Samples};
-use pixel::{PixelSpread, encode};
 pub(crate) use tile::{Tile, TileRect};
 
 /// Edge of a tile, pixels.
@@ -134,8 +134,8 @@ impl Film {
     /// Bytes it takes once every pixel has samples, in `halves` halves.
     pub fn memory_bytes(&self, halves: usize) -> usize {
         let pixels = self.desc.width * self.desc.height;
-        let spread = if halves > 1 { size_of::<PixelSpread>() } else { 0 };
-        pixels * (halves * (size_of::<PixelSum>() + spread) + self.centers.len() * size_of::<[u32; 3]>())
+        let of_half = if halves > 1 { Samples::PILOT_BYTES } else { size_of::<PixelSum>() };
+        pixels * (halves * of_half + self.centers.len() * size_of::<[u32; 3]>())
     }
 
     /// Mean over pixels and channels of the variance of a pixel, as the difference of its halves shows it,

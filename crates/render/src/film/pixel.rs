@@ -42,68 +42,53 @@ impl PixelSum {
     }
 }
 
-/// What the samples of a pilot, or of one half of it, tell about how many more there should be.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PixelSpread {
-    /// Sum of the radiance of the first run.
-    first: [f32; 3],
-}
-
-impl PixelSpread {
-    /// Takes in another sample. `sum`: with it.
-    fn add(&mut self, sum: &PixelSum, run: u32) {
-        if sum.samples == run {
-            self.first = [sum.color[0], sum.color[1], sum.color[2]];
-        }
-    }
-    /// Variance of radiance, channel by channel, as two runs of `run` samples show it: that of a run's mean, times its
-    /// samples.
-    fn variance(&self, sum: &PixelSum, run: u32) -> DVec3 {
-        if run == 0 || sum.samples < 2 * run {
-            return DVec3::ZERO;
-        }
-        let first = DVec3::from(self.first.map(f64::from)) / f64::from(run);
-        // of two means: half of the square of their difference, which is twice that from the mean of both
-        let off = 2.0 * (first - sum.radiance());
-        // one sample that is beyond all measure must not make sums over pixels infinite
-        (off * off * (0.5 * f64::from(run))).min(DVec3::splat(LARGEST_VARIANCE))
-    }
-}
-
 /// The samples of a tile, or of one half of them: row by row, an entry a pixel; without entries where there are none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Samples {
     pub sums: Vec<PixelSum>,
-    /// Kept of a pilot.
-    pub spreads: Vec<PixelSpread>,
-    /// Samples of each of the two runs that spreads tell of.
+    /// Of a pilot, which is two runs of samples: the sum of radiance of the first.
+    first_runs: Vec<[f32; 3]>,
+    /// Samples of a run.
     run: u32,
 }
 
 impl Samples {
-    /// Makes room for so many pixels; for what two runs of `run` samples tell, where those are a pilot.
+    /// Bytes of a pixel in one of two halves, with a pilot.
+    pub const PILOT_BYTES: usize = size_of::<PixelSum>() + size_of::<[f32; 3]>();
+
+    /// Makes room for so many pixels. `run`: how many samples each of the two runs of a pilot has; `None` where it is none.
     pub fn prepare(&mut self, pixels: usize, run: Option<u32>) {
         self.sums.resize(pixels, PixelSum::default());
-        self.spreads.resize(if run.is_some() { pixels } else { 0 }, PixelSpread::default());
+        self.first_runs.resize(if run.is_some() { pixels } else { 0 }, [0.0; 3]);
         self.run = run.unwrap_or(0);
     }
     /// Takes all away, and keeps the memory.
     pub fn clear(&mut self) {
         self.sums.clear();
-        self.spreads.clear();
-    }
-    /// Mean radiance of pixel `i`, and the variance that a pilot shows, times samples, channel by channel.
-    pub fn spread(&self, i: usize) -> (DVec3, DVec3) {
-        let sum = self.sums.get(i).copied().unwrap_or_default();
-        let spread = self.spreads.get(i).copied().unwrap_or_default();
-        (sum.radiance(), spread.variance(&sum, self.run))
+        self.first_runs.clear();
     }
     /// Adds a sample of pixel `i`.
     pub fn add(&mut self, i: usize, rgb: Rgb, coverage: f32) {
-        self.sums[i].add(rgb, coverage);
-        if let Some(spread) = self.spreads.get_mut(i) {
-            spread.add(&self.sums[i], self.run);
+        let sum = &mut self.sums[i];
+        sum.add(rgb, coverage);
+        if sum.samples == self.run
+            && let Some(first_run) = self.first_runs.get_mut(i)
+        {
+            *first_run = [sum.color[0], sum.color[1], sum.color[2]];
         }
+    }
+    /// What the pilot of pixel `i` shows, channel by channel: mean radiance, and the variance of a run's mean times its
+    /// samples.
+    pub fn mean_and_variance(&self, i: usize) -> (DVec3, DVec3) {
+        let sum = self.sums.get(i).copied().unwrap_or_default();
+        let (mean, run) = (sum.radiance(), f64::from(self.run));
+        let Some(first_run) = self.first_runs.get(i).filter(|_| self.run > 0 && sum.samples >= 2 * self.run) else {
+            return (mean, DVec3::ZERO);
+        };
+        // of two means: half of the square of their difference, which is twice that from the mean of both
+        let difference = 2.0 * (DVec3::from(first_run.map(f64::from)) / run - mean);
+        // one sample that is beyond all measure must not make sums over pixels infinite
+        (mean, (difference * difference * (0.5 * run)).min(DVec3::splat(LARGEST_VARIANCE)))
     }
 }
 
