@@ -64,12 +64,11 @@ pub fn render(scene: &RenderScene, film: &Film, stop: &Stop<'_>) -> u64 {
 
 /// What renders squares, one a thread.
 struct Worker<'a> {
-    scene: &'a RenderScene,
     grid: &'a Grid,
-    placements: &'a [Placement],
     square: Square,
     /// The square's, from front to back.
     entries: Vec<Entry>,
+    /// What of them was drawn.
     pieces: Vec<Piece<'a>>,
     drawer: Drawer<'a>,
     shader: Shader<'a>,
@@ -79,7 +78,7 @@ impl<'a> Worker<'a> {
     fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let (drawer, shader) = (Drawer::new(scene, grid, placements), Shader::new(scene, grid, placements));
         let (entries, pieces) = (Vec::new(), Vec::new());
-        Self { scene, grid, placements, square: Square::new(), entries, pieces, drawer, shader }
+        Self { grid, square: Square::new(), entries, pieces, drawer, shader }
     }
 
     /// Draws and shades a square. How many pixels it has.
@@ -91,8 +90,7 @@ impl<'a> Worker<'a> {
             self.entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
             self.entries.truncate(MOST_ENTRIES);
             self.pieces.clear();
-            self.pieces.extend(self.entries.iter().map(|entry| Piece::new(self.scene, self.placements, *entry)));
-            self.drawer.draw(&mut self.square, &self.pieces);
+            self.drawer.draw(&mut self.square, &self.entries, &mut self.pieces);
             self.shade(film);
         }
         self.square.size.into_iter().map(|pixels| pixels as u64).product()
@@ -102,6 +100,7 @@ impl<'a> Worker<'a> {
     /// the same.
     fn shade(&mut self, film: &Film) {
         let ([x, y], [width, height]) = (self.square.first.map(|v| v as usize), self.square.size.map(|v| v as usize));
+        self.shader.start(&self.square, &self.pieces);
         let corners = (y..y + height).step_by(TILE).flat_map(|row| (x..x + width).step_by(TILE).map(move |x| (x, row)));
         for (x, y) in corners {
             let index = film.tile_at(x, y);

@@ -4,6 +4,7 @@ use pulp::{Arch, Simd, WithSimd};
 use umber_bvh::Hit;
 use umber_math::Point3;
 
+use super::bins::Entry;
 use super::boxing::{Around, Boxing, Mirrored, is_empty, mirrored, ranges};
 use super::centers::barycentrics;
 use super::clip::clip;
@@ -58,14 +59,16 @@ impl<'a> Drawer<'a> {
         }
     }
 
-    /// Draws a square's pieces, which come from front to back: those behind are hidden when it is their turn.
-    pub fn draw(&mut self, square: &mut Square, pieces: &[Piece<'_>]) {
-        self.arch.dispatch(DrawSquare { drawer: self, square, pieces });
+    /// Draws a square's entries, which come from front to back: those behind are hidden when it is their turn. Adds
+    /// what may be seen of them to its `pieces`.
+    pub fn draw(&mut self, square: &mut Square, entries: &[Entry], pieces: &mut Vec<Piece<'a>>) {
+        self.arch.dispatch(DrawSquare { drawer: self, square, entries, pieces });
     }
 
+    /// Draws a piece.
     #[inline(always)]
-    fn draw_piece(&mut self, square: &mut Square, pieces: &[Piece<'_>], at: usize) {
-        let Piece { entry, cluster, .. } = pieces[at];
+    fn draw_piece(&mut self, square: &mut Square, piece: Piece<'a>, pieces: &mut Vec<Piece<'a>>) {
+        let Piece { entry, cluster, .. } = piece;
         let placement = &self.placements[entry.placement as usize];
         let boxing = Boxing::new(self.grid, square);
         let mut around = Around::NOTHING;
@@ -77,7 +80,9 @@ impl<'a> Drawer<'a> {
         if around.is_hidden(&boxing, square) {
             return;
         }
-        pieces[at].prefetch_normals();
+        piece.prefetch_normals();
+        let first = number(pieces.len(), 0);
+        pieces.push(piece);
         // most triangles cover nothing, and nobody can tell beforehand which: first they are boxed, without branches
         let mut count = 0;
         for (i, [a, b, c]) in cluster.corners.iter().enumerate() {
@@ -88,7 +93,7 @@ impl<'a> Drawer<'a> {
         let draw = Draw { scene: self.scene, grid: self.grid, placement, pieces, cluster };
         for boxed in self.boxed[..count].chunks(BATCH) {
             self.points.gather(&cluster, boxed, &mut self.batch);
-            draw.draw_batch(square, &self.batch, boxed, number(at, 0));
+            draw.draw_batch(square, &self.batch, boxed, first);
         }
     }
 }
@@ -97,7 +102,8 @@ impl<'a> Drawer<'a> {
 struct DrawSquare<'d, 'a> {
     drawer: &'d mut Drawer<'a>,
     square: &'d mut Square,
-    pieces: &'d [Piece<'d>],
+    entries: &'d [Entry],
+    pieces: &'d mut Vec<Piece<'a>>,
 }
 
 impl WithSimd for DrawSquare<'_, '_> {
@@ -105,13 +111,21 @@ impl WithSimd for DrawSquare<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (i, Piece { entry, .. }) in self.pieces.iter().enumerate() {
-            if let Some(next) = self.pieces.get(i + 1) {
-                next.cluster.prefetch();
+        let Self { drawer, square, entries, pieces } = self;
+        // one is drawn while the next comes from memory
+        let mut waiting: Option<Piece> = None;
+        for entry in entries {
+            if square.hides(entry.pixels, entry.nearness) {
+                continue;
             }
-            if !self.square.hides(entry.pixels, entry.nearness) {
-                self.drawer.draw_piece(self.square, self.pieces, i);
+            let piece = Piece::new(drawer.scene, drawer.placements, *entry);
+            piece.cluster.prefetch();
+            if let Some(piece) = waiting.replace(piece) {
+                drawer.draw_piece(square, piece, pieces);
             }
+        }
+        if let Some(piece) = waiting {
+            drawer.draw_piece(square, piece, pieces);
         }
     }
 }

@@ -9,9 +9,9 @@ use super::centers;
 use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::Grid;
-use super::square::{NOTHING, Square};
-use super::surface::{Surface, Surfaces, TilePixel, face_normal};
-use crate::clusters::LANES;
+use super::square::{SQUARE, Square};
+use super::surface::{SquarePixel, Surface, Surfaces, face_normal};
+use crate::clusters::{CLUSTER, LANES};
 use crate::film::{CenterHit, PixelSum, TILE, TileRect};
 use crate::scene::RenderScene;
 
@@ -22,10 +22,14 @@ pub struct Shader<'a> {
     placements: &'a [Placement],
     arch: Arch,
     directions: Directions,
-    /// Numbers of what is seen in the tile, with the pixels where it was first seen.
-    found: Vec<(u32, TilePixel)>,
-    /// Index of what is seen at each pixel among what was found; [`NONE`] where there is none.
-    which: Vec<u32>,
+    /// First column and row of the square.
+    first: [i32; 2],
+    /// Numbers of what was seen in the square's tiles so far, with the pixels where it was first seen.
+    found: Vec<(u32, SquarePixel)>,
+    /// By number: index among what was found; [`NONE`] where it was not.
+    index_of: Vec<u16>,
+    /// The same of what is seen at each pixel of the tile; [`NONE`] where there is nothing.
+    which: Vec<u16>,
     /// Surfaces of what was found, where they are lit.
     surfaces: Surfaces,
 }
@@ -35,8 +39,11 @@ pub fn is_lit(scene: &RenderScene) -> bool {
     scene.settings.raster_color == RasterColor::Shaded
 }
 
-/// Of a pixel in which nothing is seen.
-const NONE: u32 = u32::MAX;
+/// Index of nothing.
+const NONE: u16 = u16::MAX;
+
+// each pixel of a square may show another triangle
+const _: () = assert!(SQUARE * SQUARE <= NONE as usize);
 
 /// The directions of view rays, render space: linear over the film.
 #[derive(Clone, Copy)]
@@ -67,8 +74,8 @@ impl Row {
 
     /// Sets what is seen at a pixel.
     #[inline(always)]
-    fn set(&mut self, surfaces: &Surfaces, surface: Option<&Surface>, pixel: TilePixel) {
-        let i = usize::from(pixel[0]) % TILE;
+    fn set(&mut self, i: usize, surfaces: &Surfaces, surface: Option<&Surface>, pixel: SquarePixel) {
+        let i = i % TILE;
         let (mut normal, mut base, mut emission, mut coverage) = (Vec3::ZERO, Rgb::BLACK, Rgb::BLACK, 0.0);
         if let Some(surface) = surface {
             (normal, base) = (surface.normal(pixel), surfaces.base(surface, pixel));
@@ -121,59 +128,71 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        let (found, which, surfaces) = Default::default();
-        Self { scene, grid, placements, arch: Arch::new(), directions, found, which, surfaces }
+        let (first, found, index_of, which, surfaces) = Default::default();
+        Self { scene, grid, placements, arch: Arch::new(), directions, first, found, index_of, which, surfaces }
     }
 
-    /// Finds what is seen in a tile. False where nothing is.
+    /// Turns to another square, which shows these pieces.
+    pub fn start(&mut self, square: &Square, pieces: &[Piece<'_>]) {
+        self.first = square.first;
+        self.found.clear();
+        self.surfaces.clear();
+        self.index_of.clear();
+        self.index_of.resize(pieces.len() * CLUSTER, NONE);
+    }
+
+    /// Finds what is seen in a tile of the square. False where nothing is.
     pub fn look(&mut self, square: &Square, pieces: &[Piece<'_>], rect: TileRect) -> bool {
-        self.find(square, rect);
+        let known = self.found.len();
+        let is_any = self.find(square, rect);
         if is_lit(self.scene) {
-            self.arch.dispatch(Prepare { shader: self, pieces, rect });
+            self.arch.dispatch(Prepare { shader: self, pieces, known });
         }
-        !self.found.is_empty()
+        is_any
     }
 
-    /// Fills `which` and `found`.
-    fn find(&mut self, square: &Square, rect: TileRect) {
-        let Self { found, which, .. } = self;
-        found.clear();
+    /// Fills `which`, and adds to what was `found`. Whether anything is seen.
+    fn find(&mut self, square: &Square, rect: TileRect) -> bool {
+        let [column, above] = self.place(rect);
+        let Self { found, index_of, which, .. } = self;
+        let mut is_any = false;
         which.clear();
-        which.resize(rect.width * rect.height, NONE);
-        let (mut numbers_below, mut below) = (&[NOTHING; TILE][..rect.width], &[NONE; TILE][..rect.width]);
-        for (y, row) in which.chunks_exact_mut(rect.width).enumerate() {
+        for y in 0..rect.height {
             let numbers = square.row([rect.x as i32, (rect.y + y) as i32], rect.width);
-            let mut before = (NOTHING, NONE);
-            for (x, (number, which)) in numbers.iter().zip(&mut *row).enumerate() {
-                // mostly the triangle of the pixel before or below
-                if *number != before.0 {
-                    before = match *number {
-                        number if number == numbers_below[x] => (number, below[x]),
-                        NOTHING => (NOTHING, NONE),
-                        number => {
-                            found.push((number, [x as u8, y as u8]));
-                            (number, found.len() as u32 - 1)
-                        }
-                    };
+            for (x, number) in numbers.iter().enumerate() {
+                // that of nothing is beyond all
+                let Some(index) = index_of.get_mut(*number as usize) else {
+                    which.push(NONE);
+                    continue;
+                };
+                if *index == NONE {
+                    *index = found.len() as u16;
+                    found.push((*number, [column + x as u8, above + y as u8]));
                 }
-                *which = before.1;
+                is_any = true;
+                which.push(*index);
             }
-            (numbers_below, below) = (numbers, row);
         }
+        is_any
     }
 
-    /// Makes the surfaces of what was found.
+    /// Where a tile of the square begins.
     #[inline(always)]
-    fn prepare(&mut self, pieces: &[Piece<'_>], rect: TileRect) {
-        let Self { scene, grid, placements, surfaces, .. } = self;
-        surfaces.clear();
-        let mut found = &self.found[..];
+    fn place(&self, rect: TileRect) -> SquarePixel {
+        [rect.x as i32 - self.first[0], rect.y as i32 - self.first[1]].map(|v| v as u8)
+    }
+
+    /// Makes the surfaces of what was found beyond what was `known`.
+    #[inline(always)]
+    fn prepare(&mut self, pieces: &[Piece<'_>], known: usize) {
+        let Self { scene, grid, placements, surfaces, first: origin, .. } = self;
+        let mut found = &self.found[known..];
         while let Some((first, _)) = found.first() {
             let placement = Seen::new(pieces, *first).placement();
-            let is_of_another = |(number, _): &(u32, TilePixel)| Seen::new(pieces, *number).placement() != placement;
+            let is_of_another = |(number, _): &(u32, SquarePixel)| Seen::new(pieces, *number).placement() != placement;
             let most = found.len().min(LANES);
             let (batch, rest) = found.split_at(found[..most].iter().position(is_of_another).unwrap_or(most));
-            surfaces.add(scene, grid, &placements[placement as usize], rect, pieces, batch);
+            surfaces.add(scene, grid, &placements[placement as usize], *origin, pieces, batch);
             found = rest;
         }
     }
@@ -193,9 +212,10 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     fn headlit(&self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
         let mut row = Row::EMPTY;
+        let [column, above] = self.place(rect);
         for (y, which) in self.which.chunks_exact(rect.width).enumerate() {
             for (x, which) in which.iter().enumerate() {
-                row.set(&self.surfaces, self.surfaces.get(*which), [x as u8, y as u8]);
+                row.set(x, &self.surfaces, self.surfaces.get(*which), [column + x as u8, above + y as u8]);
             }
             if (0..TILE).fold(false, |any, i| any | row.lacks_normal(i)) {
                 self.mend_normals(pieces, which, &mut row);
@@ -212,7 +232,7 @@ impl<'a> Shader<'a> {
 
     /// Gives pixels of a row the normals of their triangles where they lack others.
     #[cold]
-    fn mend_normals(&self, pieces: &[Piece<'_>], which: &[u32], row: &mut Row) {
+    fn mend_normals(&self, pieces: &[Piece<'_>], which: &[u16], row: &mut Row) {
         for (i, which) in which.iter().enumerate() {
             if let Some((number, _)) = self.found.get(*which as usize).filter(|_| row.lacks_normal(i)) {
                 let seen = Seen::new(pieces, *number);
@@ -252,7 +272,7 @@ impl<'a> Shader<'a> {
 struct Prepare<'s, 'a> {
     shader: &'s mut Shader<'a>,
     pieces: &'s [Piece<'s>],
-    rect: TileRect,
+    known: usize,
 }
 
 impl WithSimd for Prepare<'_, '_> {
@@ -260,7 +280,7 @@ impl WithSimd for Prepare<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.shader.prepare(self.pieces, self.rect);
+        self.shader.prepare(self.pieces, self.known);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Surfaces of triangles that are seen in a tile: what is the same for all pixels of one.
+//! Surfaces of triangles that are seen in a square: what is the same for all pixels of one.
 
 use glam::Mat3;
 use umber_geometry::{Interpolation, geometric_normal};
@@ -7,8 +7,8 @@ use umber_math::{DVec3, Point3, Rgb, Vec3};
 use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::{FilmFromObject, Grid};
+use super::square::SQUARE;
 use crate::clusters::LANES;
-use crate::film::{TILE, TileRect};
 use crate::material::in_unit;
 use crate::mesh::RenderMesh;
 use crate::scene::RenderScene;
@@ -17,11 +17,11 @@ use crate::surface::FALLBACK_COLOR;
 /// A number of each of the surfaces that are made together.
 type Each<T> = [T; LANES];
 
-/// A pixel, from the tile's first.
-pub type TilePixel = [u8; 2];
+/// A pixel, from the square's first.
+pub type SquarePixel = [u8; 2];
 
-// so are the pixels of a tile numbered, and its surfaces in 16 bits
-const _: () = assert!(TILE <= 255);
+// so are the pixels of a square numbered, and its surfaces in 16 bits
+const _: () = assert!(SQUARE <= 255);
 
 /// A surface.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub struct Surface {
     /// Emitted radiance.
     pub emission: Rgb,
     /// The pixel from which forms count.
-    origin: TilePixel,
+    origin: SquarePixel,
     /// Which of the colours that vary it has, from 1 on; 0 where it has one everywhere.
     varying: u16,
 }
@@ -74,18 +74,18 @@ impl Form<Vec3> {
 impl Surface {
     /// From the pixel from which its forms count to another.
     #[inline(always)]
-    fn offset(&self, pixel: TilePixel) -> [f32; 2] {
+    fn offset(&self, pixel: SquarePixel) -> [f32; 2] {
         [0, 1].map(|axis| (i32::from(pixel[axis]) - i32::from(self.origin[axis])) as f32)
     }
     /// Shading normal at a pixel, render space, not of unit length; zero, or not a number, where those of its corners
     /// are or cancel out.
     #[inline(always)]
-    pub fn normal(&self, pixel: TilePixel) -> Vec3 {
+    pub fn normal(&self, pixel: SquarePixel) -> Vec3 {
         self.normal.at(self.offset(pixel))
     }
 }
 
-/// The surfaces that are seen in a tile.
+/// The surfaces that are seen in a square.
 #[derive(Debug, Default)]
 pub struct Surfaces {
     surfaces: Vec<Surface>,
@@ -101,12 +101,12 @@ impl Surfaces {
     }
     /// One, in the order in which they were added.
     #[inline(always)]
-    pub fn get(&self, index: u32) -> Option<&Surface> {
-        self.surfaces.get(index as usize)
+    pub fn get(&self, index: u16) -> Option<&Surface> {
+        self.surfaces.get(usize::from(index))
     }
     /// The colour of one at a pixel.
     #[inline(always)]
-    pub fn base(&self, surface: &Surface, pixel: TilePixel) -> Rgb {
+    pub fn base(&self, surface: &Surface, pixel: SquarePixel) -> Rgb {
         match usize::from(surface.varying) {
             0 => surface.base,
             varying => {
@@ -118,22 +118,22 @@ impl Surfaces {
     }
 
     /// Adds those of triangles of one placement, [`LANES`] at most: by their numbers among a square's pieces, each with
-    /// a pixel where it is seen. `rect`: of the tile.
+    /// a pixel where it is seen. `first`: of the square's pixels.
     #[inline(always)]
     pub fn add(
         &mut self,
         scene: &RenderScene,
         grid: &Grid,
         placement: &Placement,
-        rect: TileRect,
+        first: [i32; 2],
         pieces: &[Piece<'_>],
-        found: &[(u32, TilePixel)],
+        found: &[(u32, SquarePixel)],
     ) {
         let mesh = placement.mesh(scene);
         let mut corners = Corners::default();
         for (i, (number, [x, y])) in found.iter().take(LANES).enumerate() {
             let seen = Seen::new(pieces, *number);
-            let pixel = [rect.x as i32 + i32::from(*x), rect.y as i32 + i32::from(*y)];
+            let pixel = [first[0] + i32::from(*x), first[1] + i32::from(*y)];
             corners.set(i, mesh, &seen, grid.film_position(pixel));
         }
         let weights = corners.weights(grid, &placement.film_from_object);
@@ -173,7 +173,7 @@ impl Surfaces {
                 let sum = |weight: fn(&Form<f32>) -> f32| weights.iter().map(weight).sum();
                 let whole = Form { start: sum(|w| w.start), across: sum(|w| w.across), up: sum(|w| w.up) };
                 self.colors.push((Form::weighed(corners, weights), whole));
-                // a tile has few enough pixels
+                // a square has few enough pixels
                 (Rgb::BLACK, self.colors.len() as u16)
             }
         }
