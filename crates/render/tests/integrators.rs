@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use common::*;
@@ -172,8 +172,9 @@ fn the_rasteriser_looks_through_what_rays_pass() {
     }
 }
 
-fn raster(threads: i64, shown: &str, stops: bool) -> Vec<[f32; 4]> {
-    let session = session(4.0, 64, &[Aov::Color, Aov::PrimId]);
+fn raster(threads: i64, shown: &str, stops: bool, [width, height]: [usize; 2]) -> Vec<[f32; 4]> {
+    let session = session(4.0, 64, &[]);
+    session.set_film(FilmDesc::new(width, height, &[Aov::Color, Aov::PrimId]));
     session.edit(setting("umber:threads", threads)).unwrap();
     session.edit(word("umber:integrator", "raster")).unwrap();
     session.edit(word("umber:rasterColor", shown)).unwrap();
@@ -194,42 +195,47 @@ fn raster(threads: i64, shown: &str, stops: bool) -> Vec<[f32; 4]> {
     }
     assert_eq!(session.stats().samples_per_pixel, 1);
     assert_eq!(session.stats().rays, 0);
-    color(&session)
+    color_of(&session, width * height)
 }
 
 #[test]
 fn raster_pictures_do_not_depend_on_threads_and_stops() {
     for shown in ["shaded", "random", "primId"] {
-        let one = raster(1, shown, false);
+        // what one thread draws one after the other is drawn by several that share it
+        let several = [WIDTH, HEIGHT];
+        let one = raster(1, shown, false, several);
         assert!(one.iter().any(|c| c[3] == 1.0 && c[0] > 0.0));
-        assert_eq!(one, raster(2, shown, false));
-        assert_eq!(one, raster(8, shown, false));
-        assert_eq!(one, raster(2, shown, true));
+        assert_eq!(one, raster(2, shown, false, several));
+        assert_eq!(one, raster(8, shown, false, several));
+        // few enough pixels to be done between two stops
+        let small = [SIZE; 2];
+        assert_eq!(raster(2, shown, false, small), raster(2, shown, true, small));
     }
 }
 
 /// A square that faces the camera is its colour; one colour a prim, or a polygon.
 #[test]
 fn raster_colors() {
-    let rendered = |shown: &str| {
-        let session = session(4.0, 1, &[Aov::Color, Aov::ElementId, Aov::PrimId]);
-        session.edit(word("umber:integrator", "raster")).unwrap();
-        session.edit(word("umber:rasterColor", shown)).unwrap();
-        let turned = Some(DAffine3::from_rotation_y(0.6) * DAffine3::from_rotation_x(0.5));
-        session.edit(mesh("/box", MeshPatch { transform: turned, ..cube() })).unwrap();
-        bind(&session, "/box", "/m", lambert(0.6, 0.0));
-        finish(&session);
-        let distinct: std::collections::BTreeSet<_> =
-            color(&session).iter().filter(|c| c[3] > 0.0).map(|c| c.map(f32::to_bits)).collect();
-        (color(&session), ids(&session, Aov::ElementId), distinct.len())
-    };
-    assert_eq!(rendered("primId").2, 1);
-    let (colors, elements, distinct) = rendered("random");
-    assert_eq!(distinct, 3, "three sides of a cube are seen");
-    for i in 0..SIZE * SIZE {
-        for j in 0..i {
-            assert_eq!(colors[i] == colors[j], elements[i] == elements[j], "{i} {j}");
-        }
+    // of one square, and of several
+    for size in [SIZE, 150] {
+        let rendered = |shown: &str| {
+            let session = session(4.0, 1, &[]);
+            session.set_film(FilmDesc::new(size, size, &[Aov::Color, Aov::ElementId, Aov::PrimId]));
+            session.edit(word("umber:integrator", "raster")).unwrap();
+            session.edit(word("umber:rasterColor", shown)).unwrap();
+            let turned = Some(DAffine3::from_rotation_y(0.6) * DAffine3::from_rotation_x(0.5));
+            session.edit(mesh("/box", MeshPatch { transform: turned, ..cube() })).unwrap();
+            bind(&session, "/box", "/m", lambert(0.6, 0.0));
+            finish(&session);
+            let (colors, elements) = (color_of(&session, size * size), ids_of(&session, Aov::ElementId, size * size));
+            let seen = colors.into_iter().zip(elements).filter(|(color, _)| color[3] > 0.0);
+            seen.map(|(color, element)| (color.map(f32::to_bits), element)).collect::<BTreeSet<_>>()
+        };
+        let colors = |seen: &BTreeSet<([u32; 4], i32)>| seen.iter().map(|(color, _)| *color).collect::<BTreeSet<_>>();
+        assert_eq!(colors(&rendered("primId")).len(), 1);
+        let seen = rendered("random");
+        assert_eq!(seen.len(), 3, "three sides of a cube are seen, each in one colour: {seen:?}");
+        assert_eq!(colors(&seen).len(), 3);
     }
     // face on: its colour times the cosine of the angle of view, and what it emits
     let session = session(4.0, 1, &[Aov::Color]);

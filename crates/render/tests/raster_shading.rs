@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use common::*;
 use umber_math::{DAffine3, DVec3, Vec3};
-use umber_render::{Aov, BufferFormat, Session};
+use umber_render::{Aov, BufferFormat, FilmDesc, Session};
 use umber_scene::{Interpolation, MeshPatch, Primvar, PrimvarValues, SceneEdit, SubdivisionScheme, Topology};
 use umber_settings::Value;
 
@@ -159,9 +159,17 @@ fn colors_vary_in_perspective() {
     let vertex = with_colors(values(Interpolation::Vertex, &of_point));
     assert_eq!(vertex, with_colors(values(Interpolation::Varying, &of_point)));
     assert_eq!(vertex, with_colors(values(Interpolation::FaceVarying, &of_point)));
-    // a slanted plane: its points are known from the view ray
+    // of one square, and of several
+    for size in [SIZE, 150] {
+        slanted_plane_has(size, &of_place);
+    }
+}
+
+/// A slanted plane behind small things, on a film of `size` pixels each way: its points are known from the view rays.
+fn slanted_plane_has(size: usize, of_place: &dyn Fn(Vec3) -> Vec3) {
     let slant = DAffine3::from_rotation_y(1.0);
-    let session = session(3.0, 1, &[Aov::Color]);
+    let session = session(3.0, 1, &[]);
+    session.set_film(FilmDesc::new(size, size, &[Aov::Color, Aov::PrimId]));
     session.edit(SceneEdit::Setting("umber:integrator".into(), Value::Text("raster".into()))).unwrap();
     let level: Vec<Vec3> = points().into_iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let colors = values(Interpolation::Vertex, &|i| of_place(level[i]));
@@ -169,14 +177,21 @@ fn colors_vary_in_perspective() {
         points: Some(level.clone().into()),
         primvars: [("displayColor".into(), Some(colors))].into(),
         transform: Some(slant),
+        prim_id: Some(3),
         ..wave()
     };
     session.edit(mesh("/plane", patch)).unwrap();
+    for i in 0..9 {
+        let at = DVec3::new(f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 1.0) * 0.4;
+        let transform = DAffine3::from_translation(at) * DAffine3::from_scale(DVec3::splat(0.05));
+        session.edit(mesh(&format!("/small{i}"), MeshPatch { transform: Some(transform), ..wave() })).unwrap();
+    }
     finish(&session);
     let normal = slant.transform_vector3(DVec3::Z);
+    let (colors, prims) = (color_of(&session, size * size), ids_of(&session, Aov::PrimId, size * size));
     let mut seen = 0;
-    for (i, color) in color(&session).iter().enumerate().filter(|(_, c)| c[3] > 0.0) {
-        let [x, y] = [i % SIZE, i / SIZE].map(|v| (v as f64 + 0.5) / SIZE as f64 - 0.5);
+    for (i, color) in colors.iter().enumerate().filter(|(i, _)| prims[*i] == 3) {
+        let [x, y] = [i % size, i / size].map(|v| (v as f64 + 0.5) / size as f64 - 0.5);
         let (eye, ray) = (DVec3::new(0.0, 0.0, 3.0), DVec3::new(x, y, -1.0));
         let met = eye - ray * (eye.dot(normal) / ray.dot(normal));
         let expected =
@@ -184,5 +199,6 @@ fn colors_vary_in_perspective() {
         assert!((Vec3::from_slice(&color[..3]) - expected).abs().max_element() < 1e-5, "{i}: {color:?} {expected}");
         seen += 1;
     }
-    assert!(seen > 100, "{seen}");
+    assert!(seen > size * size / 6, "{seen}");
+    assert!(colors.iter().zip(&prims).any(|(color, prim)| color[3] > 0.0 && *prim != 3), "small things in front");
 }

@@ -89,7 +89,6 @@ impl<'a> Worker<'a> {
         if !entries.is_empty() {
             self.entries.sort_unstable_by(|a, b| b.nearness.total_cmp(&a.nearness));
             self.entries.truncate(MOST_ENTRIES);
-            self.pieces.clear();
             self.drawer.draw(&mut self.square, &self.entries, &mut self.pieces);
             self.shade(film);
         }

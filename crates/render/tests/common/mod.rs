@@ -110,13 +110,23 @@ pub fn finish(session: &Session) {
 }
 
 pub fn color(session: &Session) -> Vec<[f32; 4]> {
-    let mut out = vec![0u8; SIZE * SIZE * 16];
+    color_of(session, SIZE * SIZE)
+}
+
+/// Of a film of so many pixels.
+pub fn color_of(session: &Session, pixels: usize) -> Vec<[f32; 4]> {
+    let mut out = vec![0u8; pixels * 16];
     assert!(session.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
     bytemuck::cast_slice(&out).to_vec()
 }
 
 pub fn ids(session: &Session, aov: Aov) -> Vec<i32> {
-    let mut out = vec![0u8; SIZE * SIZE * 4];
+    ids_of(session, aov, SIZE * SIZE)
+}
+
+/// Of a film of so many pixels.
+pub fn ids_of(session: &Session, aov: Aov, pixels: usize) -> Vec<i32> {
+    let mut out = vec![0u8; pixels * 4];
     assert!(session.resolve(aov, BufferFormat::Int32, &mut out));
     bytemuck::cast_slice(&out).to_vec()
 }

@@ -59,13 +59,27 @@ impl<'a> Drawer<'a> {
         }
     }
 
-    /// Draws a square's entries, which come from front to back: those behind are hidden when it is their turn. Adds
-    /// what may be seen of them to its `pieces`.
+    /// Draws a square's entries, which come from front to back: those behind are mostly hidden when it is their turn.
+    /// `pieces` become those that are not.
     pub fn draw(&mut self, square: &mut Square, entries: &[Entry], pieces: &mut Vec<Piece<'a>>) {
+        pieces.clear();
         self.arch.dispatch(DrawSquare { drawer: self, square, entries, pieces });
     }
 
-    /// Draws a piece.
+    /// The next of them that is not hidden, asked for from memory.
+    #[inline(always)]
+    fn next(&self, square: &Square, entries: &mut std::slice::Iter<'_, Entry>) -> Option<Piece<'a>> {
+        for entry in entries {
+            if !square.hides(entry.pixels, entry.nearness) {
+                let piece = Piece::new(self.scene, self.placements, *entry);
+                piece.cluster.prefetch();
+                return Some(piece);
+            }
+        }
+        None
+    }
+
+    /// Draws a piece, and adds it to those of the square unless it is hidden.
     #[inline(always)]
     fn draw_piece(&mut self, square: &mut Square, piece: Piece<'a>, pieces: &mut Vec<Piece<'a>>) {
         let Piece { entry, cluster, .. } = piece;
@@ -112,19 +126,11 @@ impl WithSimd for DrawSquare<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { drawer, square, entries, pieces } = self;
-        // one is drawn while the next comes from memory
-        let mut waiting: Option<Piece> = None;
-        for entry in entries {
-            if square.hides(entry.pixels, entry.nearness) {
-                continue;
-            }
-            let piece = Piece::new(drawer.scene, drawer.placements, *entry);
-            piece.cluster.prefetch();
-            if let Some(piece) = waiting.replace(piece) {
-                drawer.draw_piece(square, piece, pieces);
-            }
-        }
-        if let Some(piece) = waiting {
+        let mut entries = entries.iter();
+        let mut next = drawer.next(square, &mut entries);
+        while let Some(piece) = next {
+            // comes from memory while the one before is drawn
+            next = drawer.next(square, &mut entries);
             drawer.draw_piece(square, piece, pieces);
         }
     }

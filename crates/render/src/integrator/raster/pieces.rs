@@ -1,4 +1,4 @@
-//! The clusters of a square with their triangles at hand, and the numbers of those.
+//! The clusters that a square draws, with their triangles at hand, and the numbers of those.
 
 use umber_bvh::prefetch;
 use umber_math::{Point3, Vec3};
@@ -38,10 +38,10 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// More entries of a square, 67 million, have no numbers left: of those in front that many are drawn.
+/// A square has numbers for so many pieces, 67 million: of more entries, that many in front are looked at.
 pub const MOST_ENTRIES: usize = NOTHING as usize / CLUSTER;
 
-/// Number of a triangle among those of a square's pieces, of which there are [`MOST_ENTRIES`].
+/// Number of a triangle among those of a square's pieces, of which there are [`MOST_ENTRIES`] at most.
 #[inline(always)]
 pub fn number(piece: usize, triangle: u32) -> u32 {
     (piece * CLUSTER) as u32 + triangle

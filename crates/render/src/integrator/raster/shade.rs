@@ -9,7 +9,7 @@ use super::centers;
 use super::pieces::{Piece, Seen};
 use super::placement::Placement;
 use super::project::Grid;
-use super::square::{SQUARE, Square};
+use super::square::{NOTHING, SQUARE, Square};
 use super::surface::{SquarePixel, Surface, Surfaces, face_normal};
 use crate::clusters::{CLUSTER, LANES};
 use crate::film::{CenterHit, PixelSum, TILE, TileRect};
@@ -23,12 +23,12 @@ pub struct Shader<'a> {
     arch: Arch,
     directions: Directions,
     /// First column and row of the square.
-    first: [i32; 2],
+    square_first: [i32; 2],
     /// Numbers of what was seen in the square's tiles so far, with the pixels where it was first seen.
     found: Vec<(u32, SquarePixel)>,
     /// By number: index among what was found; [`NONE`] where it was not.
     index_of: Vec<u16>,
-    /// The same of what is seen at each pixel of the tile; [`NONE`] where there is nothing.
+    /// Index among what was found of what each pixel of the tile shows; [`NONE`] where that is nothing.
     which: Vec<u16>,
     /// Surfaces of what was found, where they are lit.
     surfaces: Surfaces,
@@ -128,13 +128,13 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a RenderScene, grid: &'a Grid, placements: &'a [Placement]) -> Self {
         let [middle, across, up] = grid.directions();
         let directions = Directions { middle, across, up };
-        let (first, found, index_of, which, surfaces) = Default::default();
-        Self { scene, grid, placements, arch: Arch::new(), directions, first, found, index_of, which, surfaces }
+        let (square_first, found, index_of, which, surfaces) = Default::default();
+        Self { scene, grid, placements, arch: Arch::new(), directions, square_first, found, index_of, which, surfaces }
     }
 
     /// Turns to another square, which shows these pieces.
     pub fn start(&mut self, square: &Square, pieces: &[Piece<'_>]) {
-        self.first = square.first;
+        self.square_first = square.first;
         self.found.clear();
         self.surfaces.clear();
         self.index_of.clear();
@@ -153,7 +153,7 @@ impl<'a> Shader<'a> {
 
     /// Fills `which`, and adds to what was `found`. Whether anything is seen.
     fn find(&mut self, square: &Square, rect: TileRect) -> bool {
-        let [column, above] = self.place(rect);
+        let [x0, y0] = self.tile_start(rect);
         let Self { found, index_of, which, .. } = self;
         let mut is_any = false;
         which.clear();
@@ -162,12 +162,13 @@ impl<'a> Shader<'a> {
             for (x, number) in numbers.iter().enumerate() {
                 // that of nothing is beyond all
                 let Some(index) = index_of.get_mut(*number as usize) else {
+                    debug_assert_eq!(*number, NOTHING, "a number of no piece");
                     which.push(NONE);
                     continue;
                 };
                 if *index == NONE {
                     *index = found.len() as u16;
-                    found.push((*number, [column + x as u8, above + y as u8]));
+                    found.push((*number, [x0 + x as u8, y0 + y as u8]));
                 }
                 is_any = true;
                 which.push(*index);
@@ -176,23 +177,23 @@ impl<'a> Shader<'a> {
         is_any
     }
 
-    /// Where a tile of the square begins.
+    /// The first pixel of a tile of the square.
     #[inline(always)]
-    fn place(&self, rect: TileRect) -> SquarePixel {
-        [rect.x as i32 - self.first[0], rect.y as i32 - self.first[1]].map(|v| v as u8)
+    fn tile_start(&self, rect: TileRect) -> SquarePixel {
+        [rect.x as i32 - self.square_first[0], rect.y as i32 - self.square_first[1]].map(|v| v as u8)
     }
 
     /// Makes the surfaces of what was found beyond what was `known`.
     #[inline(always)]
     fn prepare(&mut self, pieces: &[Piece<'_>], known: usize) {
-        let Self { scene, grid, placements, surfaces, first: origin, .. } = self;
+        let Self { scene, grid, placements, surfaces, square_first, .. } = self;
         let mut found = &self.found[known..];
         while let Some((first, _)) = found.first() {
             let placement = Seen::new(pieces, *first).placement();
             let is_of_another = |(number, _): &(u32, SquarePixel)| Seen::new(pieces, *number).placement() != placement;
             let most = found.len().min(LANES);
             let (batch, rest) = found.split_at(found[..most].iter().position(is_of_another).unwrap_or(most));
-            surfaces.add(scene, grid, &placements[placement as usize], *origin, pieces, batch);
+            surfaces.add(scene, grid, &placements[placement as usize], *square_first, pieces, batch);
             found = rest;
         }
     }
@@ -212,10 +213,10 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     fn headlit(&self, pieces: &[Piece<'_>], rect: TileRect, sums: &mut Vec<PixelSum>) {
         let mut row = Row::EMPTY;
-        let [column, above] = self.place(rect);
+        let [x0, y0] = self.tile_start(rect);
         for (y, which) in self.which.chunks_exact(rect.width).enumerate() {
             for (x, which) in which.iter().enumerate() {
-                row.set(x, &self.surfaces, self.surfaces.get(*which), [column + x as u8, above + y as u8]);
+                row.set(x, &self.surfaces, self.surfaces.get(*which), [x0 + x as u8, y0 + y as u8]);
             }
             if (0..TILE).fold(false, |any, i| any | row.lacks_normal(i)) {
                 self.mend_normals(pieces, which, &mut row);

@@ -20,8 +20,7 @@ type Each<T> = [T; LANES];
 /// A pixel, from the square's first.
 pub type SquarePixel = [u8; 2];
 
-// so are the pixels of a square numbered, and its surfaces in 16 bits
-const _: () = assert!(SQUARE <= 255);
+const _: () = assert!(SQUARE <= 1 << u8::BITS);
 
 /// A surface.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +117,7 @@ impl Surfaces {
     }
 
     /// Adds those of triangles of one placement, [`LANES`] at most: by their numbers among a square's pieces, each with
-    /// a pixel where it is seen. `first`: of the square's pixels.
+    /// a pixel where it is seen. `first`: the square's first column and row.
     #[inline(always)]
     pub fn add(
         &mut self,
