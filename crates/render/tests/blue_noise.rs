@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use umber_math::{DAffine3, DVec3};
-use umber_render::{Aov, BufferFormat, FilmDesc, Session};
+use umber_render::{Aov, FilmDesc, Session};
 use umber_scene::{Light, LightId, LightKind, MeshPatch, SceneEdit};
 use umber_settings::Value;
 
@@ -33,10 +33,7 @@ fn soft_shadow(samples: i64) -> Session {
 fn picture(session: &Session, seed: i64) -> Vec<f64> {
     session.edit(setting("umber:seed", seed)).unwrap();
     finish(session);
-    let mut out = vec![0u8; SIDE * SIDE * 16];
-    assert!(session.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
-    let pixels: &[[f32; 4]] = bytemuck::cast_slice(&out);
-    pixels.iter().map(|p| f64::from(p[0])).collect()
+    color_of(session, SIDE * SIDE).iter().map(|p| f64::from(p[0])).collect()
 }
 
 /// Where nobody watches: with 16 samples or more, each pixel has its points by itself.

@@ -79,11 +79,7 @@ fn picture(integrator: &str, view: SceneEdit, make: &dyn Fn(&Session)) -> Pictur
         assert!(session.resolve(aov, format, &mut out));
         bytemuck::cast_slice::<u8, f32>(&out).to_vec()
     };
-    let ids = IDS.map(|aov| {
-        let mut out = vec![0u8; WIDTH * HEIGHT * 4];
-        assert!(session.resolve(aov, BufferFormat::Int32, &mut out));
-        bytemuck::cast_slice::<u8, i32>(&out).to_vec()
-    });
+    let ids = IDS.map(|aov| ids_of(&session, aov, WIDTH * HEIGHT));
     let (one, three) = (BufferFormat::Float32, BufferFormat::Float32Vec3);
     Picture {
         ids,
