@@ -24,7 +24,7 @@ pub use instances::InstanceNumber;
 pub use membership::Membership;
 
 use crate::camera::RenderCamera;
-use crate::integrator;
+use crate::integrator::{self, splitting::Splitting};
 use crate::light_set::LightSet;
 use crate::linking::Linking;
 use crate::material::RenderMaterial;
@@ -186,6 +186,7 @@ impl Compiler {
             partly_present,
             caustics: None,
             path_group: 1,
+            splitting: Splitting::NONE,
         }
     }
 

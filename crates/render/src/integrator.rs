@@ -6,8 +6,10 @@ mod direct;
 mod found;
 mod mirror;
 pub mod path;
+pub(crate) mod primary;
 pub mod raster;
 pub(crate) mod reuse;
+pub(crate) mod splitting;
 mod tile;
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -12,6 +12,7 @@ use umber_shading::Bsdf;
 use crate::camera::RenderCamera;
 use crate::caustics::{CausticMap, Guided};
 use crate::compile::InstanceNumber;
+use crate::integrator::splitting::Splitting;
 use crate::light_set::LightSet;
 use crate::linking::Linking;
 use crate::material::RenderMaterial;
@@ -45,6 +46,8 @@ pub struct RenderScene {
     pub caustics: Option<CausticMap>,
     /// Pixels of a group that shares paths; 1 where none are shared.
     pub path_group: usize,
+    /// Which samples of a pixel begin with the same ray.
+    pub(crate) splitting: Splitting,
 }
 
 /// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.

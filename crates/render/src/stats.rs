@@ -24,6 +24,8 @@ pub struct Stats {
     pub rays: u64,
     /// Pixels of a group that shares paths; 1: none are shared.
     pub path_group: u32,
+    /// Samples of a pixel that begin with the same ray from the camera; 1: each has its own.
+    pub samples_a_ray: u32,
     /// Render threads.
     pub threads: u32,
     /// Meshes that are shown.
@@ -60,6 +62,7 @@ impl Stats {
             ("compileSeconds", Value::Float(self.compile_seconds)),
             ("rays", int(self.rays)),
             ("pathGroup", int(self.path_group.into())),
+            ("samplesPerCameraRay", int(self.samples_a_ray.into())),
             ("threads", int(self.threads.into())),
             ("meshes", int(self.meshes)),
             ("triangles", int(self.triangles)),

@@ -70,6 +70,8 @@ settings! {
         "Russian Roulette From", "Scattering events after which dim paths may be ended at random, without bias.";
     path_reuse: bool = true, "umber:pathReuse", None,
         "Path Reuse", "Whether neighbouring pixels share what their paths find, without bias, where a trial at the start shows that it pays.";
+    path_splitting: bool = true, "umber:pathSplitting", None,
+        "Path Splitting", "Whether several samples of a pixel begin with the same ray from the camera, without bias, where a trial at the start shows that it pays.";
     firefly_clamp: f32 = 0.0, "umber:fireflyClamp", Some((0.0, 1e30)),
         "Firefly Clamp (Biased)", "Largest radiance that one sample of a pixel may have: hides bright specks, but is biased, as their light is lost; 0: off.";
     seed: u32 = 0, "umber:seed", Some((0.0, 4_294_967_295.0)),

@@ -84,6 +84,7 @@ impl Places {
 }
 
 /// A BSDF at a point, with places to aim at; without, it is the BSDF.
+#[derive(Clone, Copy)]
 pub(crate) struct Guided<'a> {
     /// The BSDF alone.
     pub bsdf: Bsdf,

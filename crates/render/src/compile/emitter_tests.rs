@@ -14,6 +14,8 @@ use umber_scene::{
 
 use super::Compiler;
 use crate::integrator::path;
+use crate::integrator::primary::Primary;
+use crate::integrator::splitting::Splitting;
 use crate::light_set::LightSet;
 use crate::scene::RenderScene;
 use crate::{Aov, FilmDesc};
@@ -116,7 +118,8 @@ fn picture(scene: &RenderScene, samples: u32, seed: u64) -> [(f64, f64); 3] {
                 let mut sampler = Sampler::new(seed + (batch << 40), [x as u32, y as u32], number);
                 sampler.start_dimension(crate::integrator::dimensions::FILM);
                 let ray = scene.camera.ray(Vec2::new(x as f32, y as f32) + sampler.next_2d());
-                let radiance = path::radiance(scene, ray, &mut sampler, &mut 0).radiance;
+                let primary = Primary::new(scene, ray, &mut sampler, &mut 0);
+                let radiance = path::radiance(&primary, &mut sampler, &mut 0).radiance;
                 (0..3).for_each(|c| mean[c] += f64::from(radiance.0[c]) / f64::from(samples));
             }
             (0..3).for_each(|c| {
@@ -300,6 +303,7 @@ fn copy(scene: &RenderScene) -> RenderScene {
         partly_present: scene.partly_present,
         caustics: None,
         path_group: 1,
+        splitting: Splitting::NONE,
     }
 }
 

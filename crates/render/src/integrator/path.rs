@@ -7,12 +7,14 @@ use umber_shading::{BsdfSample, LightSample, LobeKind, Receiver};
 use super::RadianceSample;
 use super::dimensions::{self, Draw};
 use super::found::{Met, Origin};
+use super::primary::Primary;
 use crate::caustics::Guided;
 use crate::scene::RenderScene;
 use crate::shadow;
 use crate::surface::SurfaceInteraction;
 
 /// A path under way.
+#[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
     pub scene: &'a RenderScene,
     ray: Ray,
@@ -26,6 +28,7 @@ pub(super) struct Walk<'a> {
 }
 
 /// A surface that a path meets.
+#[derive(Clone, Copy)]
 pub(crate) struct Vertex<'a> {
     pub surface: SurfaceInteraction,
     pub guided: Guided<'a>,
@@ -50,13 +53,11 @@ pub(super) struct Scattering {
     pub survival: f32,
 }
 
-/// Traces a path from the camera.
-pub fn radiance(scene: &RenderScene, ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
-    let mut walk = Walk::new(scene, ray);
-    let met = walk.meet(sampler, rays);
-    let (emitted, coverage) = walk.seen(&met);
-    let radiance = emitted + walk.vertex(&met).map_or(Rgb::BLACK, |vertex| walk.on_from(vertex, sampler, rays));
-    RadianceSample { radiance, coverage }
+/// Traces a path on from what a ray from the camera met.
+pub fn radiance(primary: &Primary<'_>, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
+    let mut walk = primary.walk;
+    let reflected = primary.first.as_ref().map_or(Rgb::BLACK, |vertex| walk.on_from(vertex, sampler, rays));
+    RadianceSample { radiance: primary.emitted + reflected, coverage: primary.coverage }
 }
 
 impl<'a> Walk<'a> {
@@ -67,19 +68,22 @@ impl<'a> Walk<'a> {
 
     /// Radiance by the rest of the path from a vertex, times the throughput up to there.
     #[inline(never)]
-    pub fn on_from(&mut self, mut vertex: Vertex<'a>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
+    pub fn on_from(&mut self, first: &Vertex<'a>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
         let mut radiance = Rgb::BLACK;
+        let (mut vertex, mut met);
+        vertex = first;
         loop {
             if vertex.guided.bsdf.has_non_delta() {
-                radiance += self.throughput * direct(self.scene, &vertex, sampler, rays);
+                radiance += self.throughput * direct(self.scene, vertex, sampler, rays);
             }
-            if self.scatter(&vertex, sampler).is_none() {
+            if self.scatter(vertex, sampler).is_none() {
                 return radiance;
             }
             let found = self.find(sampler, rays);
             radiance += self.throughput * found.radiance;
             let Some(next) = found.vertex else { return radiance };
-            vertex = next;
+            met = next;
+            vertex = &met;
         }
     }
 

@@ -1,9 +1,12 @@
 //! The samples of a tile's pixels.
 
+use std::ops::Range;
+
 use umber_math::{Ray, Rgb, Vec2};
 use umber_sampling::Sampler;
 use umber_settings::{Integrator, Settings};
 
+use super::primary::Primary;
 use super::reuse::{self, Groups};
 use super::{Goal, RadianceSample, Stop, TileWork, center, dimensions, mirror, path};
 use crate::film::{Film, Samples, TileRect};
@@ -73,6 +76,13 @@ impl Sequence {
     }
 }
 
+/// Room for a group's paths, and for the rays from the camera that they begin with.
+#[derive(Default)]
+struct Members<'a> {
+    primaries: Vec<Primary<'a>>,
+    paths: Vec<reuse::Path<'a>>,
+}
+
 /// One half of a tile in a pass.
 struct Pass<'a> {
     scene: &'a RenderScene,
@@ -98,18 +108,51 @@ impl<'a> Pass<'a> {
             if stride > 1 && (x % stride != 0 || y % stride != 0) {
                 continue;
             }
-            if self.stop.late() {
+            let is_whole = match self.scene.settings.integrator {
+                _ if self.stop.late() => false,
+                Integrator::Mirror => self.sample_mirror([x, y], samples, i, work),
+                _ => self.sample_paths([x, y], samples, i, work),
+            };
+            if !is_whole {
                 return false;
             }
-            let count = self.count([x, y]);
-            while samples.sums[i].samples < count {
+        }
+        true
+    }
+
+    /// Brings pixel `i` to its count by paths; false where stopped.
+    fn sample_paths(&self, place: [usize; 2], samples: &mut Samples, i: usize, work: &mut TileWork) -> bool {
+        let count = self.count(place);
+        while samples.sums[i].samples < count {
+            let begin = samples.sums[i].samples;
+            let primary = self.primary(place, begin, &mut work.rays);
+            for number in begin..self.scene.splitting.end(begin).min(count) {
                 if self.stop.cancelled() {
                     return false;
                 }
-                let mut rays = 0;
-                let sample = self.sample([x, y], samples.sums[i].samples, &mut rays);
-                self.add(samples, i, sample, rays, work);
+                let sample = path::radiance(&primary, &mut self.sampler(place, number), &mut work.rays);
+                self.add(samples, i, sample, work);
             }
+        }
+        true
+    }
+
+    /// Brings pixel `i` to its count by mirrored rays; false where stopped.
+    fn sample_mirror(&self, place: [usize; 2], samples: &mut Samples, i: usize, work: &mut TileWork) -> bool {
+        let count = self.count(place);
+        while samples.sums[i].samples < count {
+            if self.stop.cancelled() {
+                return false;
+            }
+            let (number, rays) = (samples.sums[i].samples, &mut work.rays);
+            let sampler = || self.sampler(place, number);
+            let sample = if number == 0 && self.sequence.half == 0 {
+                mirror::radiance(self.scene, self.ray(place, Vec2::splat(0.5)), sampler, rays)
+            } else {
+                let mut sampler = sampler();
+                mirror::radiance(self.scene, self.jittered_ray(place, &mut sampler), || sampler, rays)
+            };
+            self.add(samples, i, sample, work);
         }
         true
     }
@@ -121,52 +164,58 @@ impl<'a> Pass<'a> {
         let least = samples.sums.iter().map(|sum| sum.samples).min().unwrap_or(0);
         let groups = Groups::new(self.scene.path_group, self.sequence.seed, self.in_view([rect.x, rect.y]));
         let mut pixels = Vec::with_capacity(count);
-        let mut paths = Vec::with_capacity(reuse::LARGEST_GROUP);
+        let mut members = Members::default();
         reuse::runs(least..most).all(|run| {
             pixels.clear();
             pixels.extend((0..count).map(|i| rect.place(i)).filter(|place| self.count(*place) > run.start));
             groups.each(&mut pixels, run.start, &mut |group| {
-                run.clone().all(|number| self.sample_group(group, number, samples, &mut paths, work))
+                self.sample_group(group, run.clone(), samples, &mut members, work)
             })
         })
     }
 
-    /// Takes sample number `number` of those pixels of a group that are to have it; false where stopped.
+    /// Takes a run of samples of those pixels of a group that are to have them; false where stopped.
     fn sample_group(
         &self,
         group: &[[usize; 2]],
-        number: u32,
+        run: Range<u32>,
         samples: &mut Samples,
-        paths: &mut Vec<reuse::Path<'a>>,
+        Members { primaries, paths }: &mut Members<'a>,
         work: &mut TileWork,
     ) -> bool {
-        let members = || group.iter().filter(|place| self.count(**place) > number);
-        // they have their samples all together
-        let is_done = |place: &[usize; 2]| samples.sums[self.rect.index(*place)].samples > number;
-        if members().next().is_none_or(is_done) {
-            return true;
-        }
-        if self.stop.now() {
-            return false;
-        }
-        paths.clear();
-        paths.extend(members().map(|&place| {
-            let mut sampler = self.sampler(place, number);
-            let ray = self.jittered_ray(place, &mut sampler);
-            reuse::trace(self.scene, ray, &mut sampler)
-        }));
-        reuse::share(self.scene, paths);
-        for (path, &place) in paths.iter().zip(members()) {
-            let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
-            self.add(samples, self.rect.index(place), sample, path.rays, work);
+        let mut end = 0;
+        for number in run {
+            let members = || (0..).zip(group).filter(|(_, place)| self.count(**place) > number);
+            // they have their samples all together
+            let is_done = |place: &[usize; 2]| samples.sums[self.rect.index(*place)].samples > number;
+            if members().next().is_none_or(|(_, place)| is_done(place)) {
+                continue;
+            }
+            if self.stop.now() {
+                return false;
+            }
+            if number >= end {
+                end = self.scene.splitting.end(number);
+                primaries.clear();
+                primaries.extend(group.iter().map(|place| self.primary(*place, number, &mut work.rays)));
+            }
+            paths.clear();
+            paths.extend(members().map(|(member, &place): (usize, _)| {
+                reuse::trace(&primaries[member], &mut self.sampler(place, number))
+            }));
+            reuse::share(self.scene, paths);
+            for (path, (_, &place)) in paths.iter().zip(members()) {
+                let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
+                self.add(samples, self.rect.index(place), sample, work);
+                work.rays += path.rays;
+            }
         }
         true
     }
 
     #[inline]
-    fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, rays: u64, work: &mut TileWork) {
+    fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, work: &mut TileWork) {
         samples.add(i, kept(self.scene, sample.radiance), sample.coverage);
-        work.rays += rays;
         work.samples += 1;
     }
 
@@ -186,24 +235,11 @@ impl<'a> Pass<'a> {
         self.ray(place, sampler.next_2d())
     }
 
-    /// Takes sample number `number` of a pixel.
-    #[inline]
-    fn sample(&self, place: [usize; 2], number: u32, rays: &mut u64) -> RadianceSample {
-        let scene = self.scene;
-        let sampler = || self.sampler(place, number);
-        match scene.settings.integrator {
-            Integrator::Mirror if number == 0 && self.sequence.half == 0 => {
-                mirror::radiance(scene, self.ray(place, Vec2::splat(0.5)), sampler, rays)
-            }
-            Integrator::Mirror => {
-                let mut sampler = sampler();
-                mirror::radiance(scene, self.jittered_ray(place, &mut sampler), || sampler, rays)
-            }
-            _ => {
-                let mut sampler = sampler();
-                path::radiance(scene, self.jittered_ray(place, &mut sampler), &mut sampler, rays)
-            }
-        }
+    /// What the ray meets with which sample number `number` of a pixel begins.
+    fn primary(&self, place: [usize; 2], number: u32, rays: &mut u64) -> Primary<'a> {
+        let mut sampler = self.sampler(place, self.scene.splitting.ray(number));
+        let ray = self.jittered_ray(place, &mut sampler);
+        Primary::new(self.scene, ray, &mut sampler, rays)
     }
 }
 

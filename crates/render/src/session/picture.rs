@@ -11,6 +11,7 @@ use super::control::Shared;
 use crate::adaptive::{self, Plan};
 use crate::caustics::{self, CausticMap};
 use crate::film::{COARSE, Film};
+use crate::integrator::splitting::{self, Splitting};
 use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile, reuse};
 use crate::scene::RenderScene;
 
@@ -93,8 +94,8 @@ impl Picture {
         true
     }
 
-    /// Decides how the samples to come are taken: where they are led to find caustics, and how many pixels share
-    /// their paths, which are judged as they are led. All is left as it was where it was stopped.
+    /// Decides how the samples to come are taken: where they are led to find caustics, how many pixels share their paths,
+    /// and whether paths are split, all of which is judged as they are led. All is left as it was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
@@ -107,12 +108,19 @@ impl Picture {
         if reuse::is_possible(&scene.settings, &scene.lights) {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
         }
+        let splitting = Splitting::wanted(&scene.settings, scene.path_group);
+        if pool.install(|| splitting::pays(scene, splitting, film, samples, &stop, &mut rays)) {
+            scene.splitting = splitting;
+        }
         if stop.now() {
-            (scene.caustics, scene.path_group) = (None, 1);
+            (scene.caustics, scene.path_group, scene.splitting) = (None, 1, Splitting::NONE);
         } else {
             self.is_prepared = true;
             *self.rays.get_mut() += rays;
-            shared.update_stats(|s| s.path_group = scene.path_group as u32);
+            shared.update_stats(|s| {
+                s.path_group = scene.path_group as u32;
+                s.samples_a_ray = scene.splitting.share();
+            });
         }
         self.seconds += started.elapsed().as_secs_f64();
     }

@@ -116,6 +116,7 @@ impl Worker {
             film_bytes: film.memory_bytes(if scene.settings.converged_variance >= 0.0 { 2 } else { 1 }) as u64,
             relative_variance: -1.0,
             path_group: 1,
+            samples_a_ray: 1,
             built_meshes: built.meshes,
             built_top_level: built.top_level,
             ..Stats::default()

@@ -1,12 +1,12 @@
 //! A pixel's path, in parts that others can use.
 
-use umber_math::{Ray, Rgb, Vector3};
+use umber_math::{Rgb, Vector3};
 use umber_sampling::Sampler;
 use umber_shading::LobeKind;
 
 use crate::integrator::found::{Met, Origin};
 use crate::integrator::path::{self, Arriving, Scattering, Vertex, Walk};
-use crate::scene::RenderScene;
+use crate::integrator::primary::Primary;
 
 /// Second vertices with no lobe as wide as this are not shared: what they reflect to one pixel, hardly another sees.
 const LEAST_ALPHA: f32 = 0.05;
@@ -47,16 +47,13 @@ pub(super) struct Onwards {
     pub reflected: Rgb,
 }
 
-/// Traces a path.
-pub(in crate::integrator) fn trace<'a>(scene: &'a RenderScene, ray: Ray, sampler: &mut Sampler) -> Path<'a> {
-    let mut walk = Walk::new(scene, ray);
-    let mut rays = 0;
-    let met = walk.meet(sampler, &mut rays);
-    let (radiance, coverage) = walk.seen(&met);
-    let mut path = Path { radiance, coverage, rays, first: None, second: None };
-    match walk.vertex(&met) {
+/// Traces a path on from what a ray from the camera met, whose own cost is not counted.
+pub(in crate::integrator) fn trace<'a>(primary: &Primary<'a>, sampler: &mut Sampler) -> Path<'a> {
+    let Primary { mut walk, emitted, coverage, first } = *primary;
+    let mut path = Path { radiance: emitted, coverage, rays: 0, first: None, second: None };
+    match first {
         Some(first) if first.guided.bsdf.scatters() => path.go_on(&mut walk, first, sampler),
-        Some(first) => path.radiance += walk.on_from(first, sampler, &mut path.rays),
+        Some(first) => path.radiance += walk.on_from(&first, sampler, &mut path.rays),
         None => {}
     }
     path
@@ -73,7 +70,7 @@ impl<'a> Path<'a> {
         self.radiance += walk.throughput * found.radiance;
         let Some(second) = found.vertex else { return };
         if sample.lobe == LobeKind::Delta || !second.guided.bsdf.is_wider_than(LEAST_ALPHA) {
-            self.radiance += walk.on_from(second, sampler, &mut self.rays);
+            self.radiance += walk.on_from(&second, sampler, &mut self.rays);
             return;
         }
         let light = path::arriving(walk.scene, &second, sampler, &mut self.rays);
@@ -83,7 +80,7 @@ impl<'a> Path<'a> {
             let throughput = walk.take_throughput();
             let (met, origin) = (walk.meet(sampler, &mut self.rays), walk.origin);
             let next = walk.vertex(&met);
-            let reflected = next.map_or(Rgb::BLACK, |vertex| walk.on_from(vertex, sampler, &mut self.rays));
+            let reflected = next.map_or(Rgb::BLACK, |vertex| walk.on_from(&vertex, sampler, &mut self.rays));
             if sample.lobe == LobeKind::Delta {
                 let arriving = reflected + met.radiance(walk.scene, sample.wi, origin);
                 self.radiance += to_second * throughput * arriving;

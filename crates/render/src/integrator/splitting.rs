@@ -1,0 +1,78 @@
+//! How many samples of a pixel begin with the same ray from the camera.
+//!
+//! Such a ray, and all that is worked out where it ends, is a good part of what a sample costs; and where in the pixel
+//! it went matters little to most errors, which lie in what paths do afterwards. So paths are split where the camera's
+//! ray ends (Arvo & Kirk 1990, "Particle transport and image synthesis"). Every sample still has the right mean, and
+//! goes on by points of its own; the film's points are the first of the same sequence, as evenly spread over fewer
+//! places.
+//!
+//! Where what is seen is finer than a pixel, or light comes from points alone, most of the error *is* in where a ray
+//! goes: a [`trial`] tells, once a picture.
+
+mod trial;
+
+use umber_settings::{Integrator, Settings};
+
+use super::tile::MANY_SAMPLES;
+
+pub(crate) use trial::pays;
+
+/// How many samples of a pixel begin with each ray from the camera: of its first ones, and of all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Splitting([u32; 2]);
+
+/// A pixel's first samples, whose rays are to be spread soon.
+const FIRST: u32 = 16;
+
+impl Splitting {
+    /// Every sample has a ray of its own.
+    pub const NONE: Self = Self([1, 1]);
+
+    /// What may pay, for pixels that share paths with so many others; [`Splitting::NONE`] where nothing may.
+    ///
+    /// Who watches is to see smooth edges as soon as may be, and pictures that may end at any time are to have them.
+    /// Measured at 64 samples, the variance that is left is 0.96 to 1.03 of that without splitting (metal, chess), and
+    /// 1.07 to 1.4 where eight share; shared paths, which come from fewer places then, lose 5 % where four do.
+    pub fn wanted(settings: &Settings, path_group: usize) -> Self {
+        let follows_paths = matches!(settings.integrator, Integrator::Path | Integrator::Direct);
+        if !settings.path_splitting || !follows_paths || settings.converged_samples_per_pixel < MANY_SAMPLES {
+            return Self::NONE;
+        }
+        let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
+        Self([if may_end_early { 1 } else { 2 }, if path_group > 1 { 2 } else { 4 }])
+    }
+    /// The number of the ray with which sample `number` begins.
+    pub fn ray(self, number: u32) -> u32 {
+        let Self([early, late]) = self;
+        let first = number.min(FIRST);
+        first / early + (number - first) / late
+    }
+    /// The first sample after `number` that begins with another ray.
+    pub fn end(self, number: u32) -> u32 {
+        let Self([early, late]) = self;
+        let (before, share) = if number < FIRST { (0, early) } else { (FIRST, late) };
+        before + ((number - before) / share + 1) * share
+    }
+    /// How many samples begin with each ray in the end.
+    pub fn share(self) -> u32 {
+        self.0[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_with_the_same_ray_follow_each_other() {
+        for splitting in [[1, 1], [1, 4], [2, 2], [2, 4]].map(Splitting) {
+            assert_eq!(splitting.ray(0), 0);
+            for number in 0..100 {
+                let (ray, end) = (splitting.ray(number), splitting.end(number));
+                assert!((number..end).all(|n| splitting.ray(n) == ray), "{splitting:?} {number}");
+                assert_eq!(splitting.ray(end), ray + 1, "{splitting:?} {number}");
+            }
+        }
+        assert_eq!([1, 2, 15, 16, 19, 20].map(|n| Splitting([2, 4]).ray(n)), [0, 1, 7, 8, 8, 9]);
+    }
+}
