@@ -11,6 +11,7 @@ pub mod raster;
 pub(crate) mod reuse;
 pub(crate) mod splitting;
 mod tile;
+mod trial;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

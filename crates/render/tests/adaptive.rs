@@ -6,12 +6,6 @@ use std::time::{Duration, Instant};
 
 use common::*;
 use umber_render::{Aov, FilmDesc, Session};
-use umber_scene::SceneEdit;
-use umber_settings::Value;
-
-fn number(key: &str, value: f64) -> SceneEdit {
-    SceneEdit::Setting(key.into(), Value::Float(value))
-}
 
 fn pictures(session: &Session, seeds: i64) -> Vec<Vec<f64>> {
     let picture = |seed| {

@@ -70,8 +70,8 @@ impl<'a> Walk<'a> {
     #[inline(never)]
     pub fn on_from(&mut self, first: &Vertex<'a>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
         let mut radiance = Rgb::BLACK;
-        let (mut vertex, mut met);
-        vertex = first;
+        let mut vertex = first;
+        let mut met;
         loop {
             if vertex.guided.bsdf.has_non_delta() {
                 radiance += self.throughput * direct(self.scene, vertex, sampler, rays);

@@ -3,8 +3,7 @@
 //! Such a ray, and all that is worked out where it ends, is a good part of what a sample costs; and where in the pixel
 //! it went matters little to most errors, which lie in what paths do afterwards. So paths are split where the camera's
 //! ray ends (Arvo & Kirk 1990, "Particle transport and image synthesis"). Every sample still has the right mean, and
-//! goes on by points of its own; the film's points are the first of the same sequence, as evenly spread over fewer
-//! places.
+//! goes on by points of its own; the film's are fewer, from the same sequence.
 //!
 //! Where what is seen is finer than a pixel, or light comes from points alone, most of the error *is* in where a ray
 //! goes: a [`trial`] tells, once a picture.
@@ -17,11 +16,12 @@ use super::tile::MANY_SAMPLES;
 
 pub(crate) use trial::pays;
 
-/// How many samples of a pixel begin with each ray from the camera: of its first ones, and of all others.
+/// How many samples of a pixel, or of one of its halves, begin with each ray from the camera: of its first ones, and of
+/// all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Splitting([u32; 2]);
 
-/// A pixel's first samples, whose rays are to be spread soon.
+/// A pixel's first samples, whose rays are to be spread soon. Whole runs of all that share one.
 const FIRST: u32 = 16;
 
 impl Splitting {
@@ -35,10 +35,13 @@ impl Splitting {
     /// 1.07 to 1.4 where eight share; shared paths, which come from fewer places then, lose 5 % where four do.
     pub fn wanted(settings: &Settings, path_group: usize) -> Self {
         let follows_paths = matches!(settings.integrator, Integrator::Path | Integrator::Direct);
-        if !settings.path_splitting || !follows_paths || settings.converged_samples_per_pixel < MANY_SAMPLES {
+        let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
+        let samples = settings.converged_samples_per_pixel;
+        let is_short = samples < MANY_SAMPLES || may_end_early && samples <= FIRST;
+        // without a scattering all samples of a ray are the same
+        if !settings.path_splitting || !follows_paths || is_short || settings.max_bounces < 1 {
             return Self::NONE;
         }
-        let may_end_early = settings.enable_interactive || settings.time_limit > 0.0;
         Self([if may_end_early { 1 } else { 2 }, if path_group > 1 { 2 } else { 4 }])
     }
     /// The number of the ray with which sample `number` begins.
@@ -53,9 +56,13 @@ impl Splitting {
         let (before, share) = if number < FIRST { (0, early) } else { (FIRST, late) };
         before + ((number - before) / share + 1) * share
     }
-    /// How many samples begin with each ray in the end.
-    pub fn share(self) -> u32 {
-        self.0[1]
+    /// As a trial takes it: from the first sample on.
+    fn tried(self) -> Self {
+        Self([2, self.0[1]])
+    }
+    /// How many samples begin with each ray at the end of a picture of so many samples a pixel.
+    pub fn share(self, samples: u32) -> u32 {
+        self.0[usize::from(samples > FIRST)]
     }
 }
 

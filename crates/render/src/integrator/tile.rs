@@ -108,8 +108,10 @@ impl<'a> Pass<'a> {
             if stride > 1 && (x % stride != 0 || y % stride != 0) {
                 continue;
             }
+            if self.stop.late() {
+                return false;
+            }
             let is_whole = match self.scene.settings.integrator {
-                _ if self.stop.late() => false,
                 Integrator::Mirror => self.sample_mirror([x, y], samples, i, work),
                 _ => self.sample_paths([x, y], samples, i, work),
             };
@@ -219,8 +221,8 @@ impl<'a> Pass<'a> {
         work.samples += 1;
     }
 
-    /// The number of a pixel within the whole view, so that a part of it has the same samples; but for those that are
-    /// shared, as groups end with the film.
+    /// The number of a pixel within the whole view, so that a part of it has the same samples, where paths are neither
+    /// shared nor split: groups end with the film, and trials are made of it.
     fn in_view(&self, [x, y]: [usize; 2]) -> [u32; 2] {
         [(x as i32 + self.view_min[0]) as u32, (y as i32 + self.view_min[1]) as u32]
     }

@@ -95,7 +95,7 @@ impl Picture {
     }
 
     /// Decides how the samples to come are taken: where they are led to find caustics, how many pixels share their paths,
-    /// and whether paths are split, all of which is judged as they are led. All is left as it was where it was stopped.
+    /// and whether paths are split, each judged as they are led and without the others. All is left as it was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
@@ -109,17 +109,19 @@ impl Picture {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
         }
         let splitting = Splitting::wanted(&scene.settings, scene.path_group);
-        if pool.install(|| splitting::pays(scene, splitting, film, samples, &stop, &mut rays)) {
+        let all = scene.settings.converged_samples_per_pixel;
+        if pool.install(|| splitting::pays(scene, splitting, film, all, &stop, &mut rays)) {
             scene.splitting = splitting;
         }
         if stop.now() {
             (scene.caustics, scene.path_group, scene.splitting) = (None, 1, Splitting::NONE);
         } else {
             self.is_prepared = true;
+            let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
             *self.rays.get_mut() += rays;
             shared.update_stats(|s| {
                 s.path_group = scene.path_group as u32;
-                s.samples_a_ray = scene.splitting.share();
+                s.samples_a_ray = scene.splitting.share(per_sequence);
             });
         }
         self.seconds += started.elapsed().as_secs_f64();
@@ -168,7 +170,8 @@ impl Picture {
             None => (FINAL_PASS, settings.converged_samples_per_pixel),
         };
         let step = if small_steps { (self.done / 2).clamp(1, largest) } else { largest };
-        (self.done < most).then(|| ((self.done + step).min(most), 1))
+        // whole rays
+        (self.done < most).then(|| (self.scene.splitting.end(self.done + step - 1).min(most), 1))
     }
 
     /// Samples that all passes together take, as far as that is known.

@@ -42,6 +42,10 @@ pub fn setting(key: &str, value: i64) -> SceneEdit {
     SceneEdit::Setting(key.into(), Value::Int(value))
 }
 
+pub fn number(key: &str, value: f64) -> SceneEdit {
+    SceneEdit::Setting(key.into(), Value::Float(value))
+}
+
 /// A camera at `z` that looks along -Z, 53 degrees wide.
 pub fn camera_at(z: f64) -> SceneEdit {
     let camera = Camera {

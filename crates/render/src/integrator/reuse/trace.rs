@@ -17,7 +17,7 @@ pub(in crate::integrator) struct Path<'a> {
     pub radiance: Rgb,
     /// 1 where anything is seen, 0 where nothing is.
     pub coverage: f32,
-    /// Rays traced for it.
+    /// Rays traced for it, without that from the camera.
     pub rays: u64,
     /// Where it is joined to second vertices; `None` where all that it finds is its own.
     pub(super) first: Option<Vertex<'a>>,

@@ -8,11 +8,11 @@ use umber_sampling::Sampler;
 use super::Splitting;
 use crate::film::{self, FilmDesc};
 use crate::integrator::primary::Primary;
+use crate::integrator::trial::relative_errors;
 use crate::integrator::{Stop, dimensions, path, tile};
 use crate::scene::RenderScene;
 
-/// Samples of a run, at most: as evenly spread over the film as those of the picture. Fewer make edges look as if they
-/// suffered more than they do.
+/// Samples of a run, at most. Fewer make edges look as if they suffered more than they do.
 const RUN: u32 = 32;
 /// Most pixels that try.
 const MOST_PIXELS: u64 = 512;
@@ -26,7 +26,8 @@ const CLEARLY: f64 = 1.1;
 /// What a ray from the camera costs over one of a path, each with all that is computed where it ends: measured, 0.7 on
 /// metal and on the chess set.
 const CAMERA_COST: f64 = 0.7;
-/// A squared relative error of a pixel's run above this is cut: a few bright specks are not to decide.
+/// A pixel whose run has a squared relative error above this, with splitting or without, counts less: a few bright specks
+/// are not to decide.
 const LARGEST_ERROR: f64 = 0.05;
 /// Distinguishes its random numbers from those of the picture.
 const STREAM: u64 = 9 << 32;
@@ -42,8 +43,8 @@ struct Trial {
     rays: [u64; 2],
 }
 
-/// Whether splitting costs fewer rays to a given error; for a picture of so many samples a pixel to come. Small pictures
-/// are not worth a trial: false. Counts rays.
+/// Whether splitting costs no more rays to a given error, of paths that are not shared; for a picture of so many samples a
+/// pixel. Small pictures are not worth a trial: false. Counts rays.
 pub(crate) fn pays(
     scene: &RenderScene,
     splitting: Splitting,
@@ -52,14 +53,18 @@ pub(crate) fn pays(
     stop: &Stop<'_>,
     rays: &mut u64,
 ) -> bool {
+    if splitting == Splitting::NONE {
+        return false;
+    }
     let run = samples.min(RUN);
     // two runs of each
     let pixels = (film.width * film.height) as u64 * u64::from(samples) / (TRIAL * 4 * u64::from(run.max(1)));
-    if pixels < LEAST_PIXELS || splitting == Splitting::NONE {
+    if pixels < LEAST_PIXELS {
         return false;
     }
+    let tried = splitting.tried();
     let one = |number| {
-        if stop.now() { Trial::default() } else { Pixel::new(scene, film, number).trial(splitting, run) }
+        if stop.now() { Trial::default() } else { Pixel::new(scene, film, number).trial(tried, run) }
     };
     let trials: Vec<Trial> = (0..pixels.min(MOST_PIXELS) as u32).into_par_iter().map(one).collect();
     *rays += trials.iter().map(|trial| trial.rays.iter().sum::<u64>()).sum::<u64>();
@@ -70,10 +75,9 @@ pub(crate) fn pays(
 fn is_better(trials: &[Trial]) -> bool {
     let mean = trials.iter().map(|trial| trial.mean).sum::<DVec3>() / trials.len() as f64;
     let floor = film::error_floor(film::luminance(mean));
-    let error = |i: usize| {
-        let relative = |t: &Trial| (t.variances[i] / (t.mean * t.mean + floor)).min(DVec3::splat(LARGEST_ERROR));
-        trials.iter().map(|trial| relative(trial).dot(DVec3::ONE)).sum::<f64>()
-    };
+    let errors: Vec<[f64; 2]> =
+        trials.iter().map(|t| relative_errors(t.mean, t.variances, floor, LARGEST_ERROR)).collect();
+    let error = |i: usize| errors.iter().map(|errors| errors[i]).sum::<f64>();
     let [alone, split] = [0, 1].map(|i| trials.iter().map(|trial| trial.rays[i]).sum::<u64>() as f64);
     error(1) * (alone - CAMERA_COST * (alone - split)) < CLEARLY * error(0) * alone
 }
@@ -88,14 +92,12 @@ struct Pixel<'a> {
 impl<'a> Pixel<'a> {
     fn new(scene: &'a RenderScene, film: &FilmDesc, number: u32) -> Self {
         let size = Vec2::new(film.width as f32, film.height as f32);
-        let place = Self::seeded(scene, number, 0, 0).next_2d();
-        Self { scene, number, corner: (place * size).floor().min(size - 1.0) }
-    }
-    fn seeded(scene: &RenderScene, number: u32, run: u32, sample: u32) -> Sampler {
-        Sampler::new(STREAM | u64::from(scene.settings.seed), [number, run], sample)
+        let pixel = Self { scene, number, corner: Vec2::ZERO };
+        let place = pixel.sampler(0, 0).next_2d();
+        Self { corner: (place * size).floor().min(size - 1.0), ..pixel }
     }
     fn sampler(&self, run: u32, sample: u32) -> Sampler {
-        Self::seeded(self.scene, self.number, run, sample)
+        Sampler::new(STREAM | u64::from(self.scene.settings.seed), [self.number, run], sample)
     }
 
     fn trial(&self, splitting: Splitting, samples: u32) -> Trial {
@@ -144,7 +146,9 @@ mod tests {
         assert!(!is_better(&[trial([0.01, 0.016], [100, 60])]));
         // where nothing is off there is nothing to gain
         assert!(!is_better(&[trial([0.0, 0.0], [100, 60])]));
-        // a speck does not decide
-        assert!(!is_better(&[[trial([100.0, 2.0], [100, 60])], [trial([0.01, 0.09], [100, 60])]].concat()));
+        // a speck does not decide, but where all is noisy it is what counts
+        let speck = trial([100.0, 2.0], [100, 60]);
+        assert!(!is_better(&[&[speck][..], &[trial([0.01, 0.03], [100, 60]); 9]].concat()));
+        assert!(!is_better(&[trial([0.1, 0.3], [100, 60])]));
     }
 }
