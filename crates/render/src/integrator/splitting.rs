@@ -6,15 +6,15 @@
 //! goes on by points of its own; the film's are fewer, from the same sequence.
 //!
 //! Where what is seen is finer than a pixel, or light comes from points alone, most of the error *is* in where a ray
-//! goes: a [`trial`] tells, once a picture.
+//! goes: a trial tells, once a picture ([`gain`]).
 
-mod trial;
+mod gain;
 
 use umber_settings::{Integrator, Settings};
 
 use super::tile::MANY_SAMPLES;
 
-pub(crate) use trial::pays;
+pub(crate) use gain::pays;
 
 /// How many samples of a pixel, or of one of its halves, begin with each ray from the camera: of its first ones, and of
 /// all others.

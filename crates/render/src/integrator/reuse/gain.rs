@@ -7,10 +7,9 @@ use umber_sampling::Sampler;
 
 use super::groups::RUN;
 use super::{LARGEST_GROUP, Path, share, trace};
-use crate::film::{self, FilmDesc};
+use crate::film::FilmDesc;
 use crate::integrator::primary::Primary;
-use crate::integrator::trial::relative_errors;
-use crate::integrator::{Stop, dimensions, tile};
+use crate::integrator::{Stop, dimensions, tile, trial};
 use crate::scene::RenderScene;
 
 /// Sizes of groups that are tried: squares of pixels.
@@ -68,13 +67,10 @@ pub(crate) fn best_group(scene: &RenderScene, film: &FilmDesc, samples: u32, sto
 
 /// The number of the size with the least product of error and rays.
 fn best(trials: &[Trial]) -> usize {
-    let mean = trials.iter().map(|trial| trial.mean).sum::<DVec3>() / trials.len() as f64;
-    let floor = film::error_floor(film::luminance(mean));
-    let errors: Vec<[f64; SIZES.len()]> =
-        trials.iter().map(|t| relative_errors(t.mean, t.variances, floor, LARGEST_ERROR)).collect();
+    let errors = trial::errors(trials.iter().map(|t| (t.mean, t.variances)), LARGEST_ERROR);
     let cost = |size: usize| {
         let rays = |size: usize| trials.iter().map(|trial| trial.rays[size]).sum::<u64>() as f64;
-        errors.iter().map(|errors| errors[size]).sum::<f64>() * (rays(0) + JOIN_COST * (rays(size) - rays(0)))
+        errors[size] * (rays(0) + JOIN_COST * (rays(size) - rays(0)))
     };
     let shared = (1..SIZES.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
     shared.filter(|size| cost(*size) < CLEARLY * cost(0)).unwrap_or(0)

@@ -6,10 +6,9 @@ use umber_math::Vec2;
 use umber_sampling::Sampler;
 
 use super::Splitting;
-use crate::film::{self, FilmDesc};
+use crate::film::FilmDesc;
 use crate::integrator::primary::Primary;
-use crate::integrator::trial::relative_errors;
-use crate::integrator::{Stop, dimensions, path, tile};
+use crate::integrator::{Stop, dimensions, path, tile, trial};
 use crate::scene::RenderScene;
 
 /// Samples of a run, at most. Fewer make edges look as if they suffered more than they do.
@@ -20,7 +19,7 @@ const MOST_PIXELS: u64 = 512;
 const LEAST_PIXELS: u64 = 48;
 /// A trial may take this part of the picture's samples.
 const TRIAL: u64 = 64;
-/// It has to be this much worse to be left: a trial's errors are off by a fifth, and where splitting does harm it is by
+/// It has to be this much worse to be left: what few pixels show is uncertain, and where splitting does harm it is by
 /// far (small things seen from afar: 1.3 times the product at 16 samples, twice at 64).
 const CLEARLY: f64 = 1.1;
 /// What a ray from the camera costs over one of a path, each with all that is computed where it ends: measured, 0.7 on
@@ -73,13 +72,9 @@ pub(crate) fn pays(
 
 /// Whether the product of error and rays is not clearly more with splitting.
 fn is_better(trials: &[Trial]) -> bool {
-    let mean = trials.iter().map(|trial| trial.mean).sum::<DVec3>() / trials.len() as f64;
-    let floor = film::error_floor(film::luminance(mean));
-    let errors: Vec<[f64; 2]> =
-        trials.iter().map(|t| relative_errors(t.mean, t.variances, floor, LARGEST_ERROR)).collect();
-    let error = |i: usize| errors.iter().map(|errors| errors[i]).sum::<f64>();
+    let [error_alone, error_split] = trial::errors(trials.iter().map(|t| (t.mean, t.variances)), LARGEST_ERROR);
     let [alone, split] = [0, 1].map(|i| trials.iter().map(|trial| trial.rays[i]).sum::<u64>() as f64);
-    error(1) * (alone - CAMERA_COST * (alone - split)) < CLEARLY * error(0) * alone
+    error_split * (alone - CAMERA_COST * (alone - split)) < CLEARLY * error_alone * alone
 }
 
 /// A pixel somewhere on the film.
