@@ -17,5 +17,5 @@ pub use color::{Rgb, linear_from_srgb, srgb_from_linear};
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, Vec2, Vec3};
 pub use ray::Ray;
-pub use transform::Transform;
+pub use transform::{Transform, keeps_angles};
 pub use vectors::{Normal3, Point3, Vector3};

@@ -1,6 +1,6 @@
 //! Affine transforms with their inverse.
 
-use glam::{Affine3A, DAffine3, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3, Vec3A};
 
 use crate::{Bounds3, Normal3, Point3, Ray, Vector3};
 
@@ -86,6 +86,14 @@ impl Transform {
     }
 }
 
+/// Whether a matrix turns, mirrors and scales, but neither squeezes nor shears.
+pub fn keeps_angles(m: &DMat3) -> bool {
+    let lengths = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length_squared);
+    let [least, most] = [lengths.into_iter().fold(f64::INFINITY, f64::min), lengths.into_iter().fold(0.0, f64::max)];
+    let skew = m.x_axis.dot(m.y_axis).abs().max(m.y_axis.dot(m.z_axis).abs()).max(m.z_axis.dot(m.x_axis).abs());
+    most - least < 1e-4 * most && skew < 1e-4 * most
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +111,16 @@ mod tests {
     fn singular_and_nan_matrices_are_refused() {
         assert!(Transform::from_affine(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))).is_none());
         assert!(Transform::from_affine(DAffine3::from_translation(DVec3::NAN)).is_none());
+    }
+
+    #[test]
+    fn what_squeezes_or_shears_changes_angles() {
+        let turned =
+            DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 2.0) / 3.0, 0.7) * DMat3::from_diagonal(DVec3::splat(3.0));
+        let mirrored = turned * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        assert!(keeps_angles(&turned) && keeps_angles(&mirrored));
+        assert!(!keeps_angles(&(turned * DMat3::from_diagonal(DVec3::new(1.0, 1.01, 1.0)))));
+        let sheared = DMat3::from_cols(DVec3::X, DVec3::new(0.01, 1.0, 0.0).normalize(), DVec3::Z);
+        assert!(!keeps_angles(&sheared) && !keeps_angles(&DMat3::ZERO));
     }
 }

@@ -1,6 +1,6 @@
 //! The camera as rays need it: from film positions to render space.
 
-use umber_math::{DAffine3, DVec2, DVec3, Normal3, Point3, Ray, Transform, Vec2, Vector3};
+use umber_math::{DAffine3, DVec2, DVec3, Normal3, Point3, Ray, Transform, Vec2, Vector3, keeps_angles};
 use umber_scene::{Camera, Projection};
 
 use crate::FilmDesc;
@@ -86,6 +86,41 @@ impl RenderCamera {
             // what lies on the near plane is seen, whatever the rounding
             t_min: self.near * stretch * (1.0 - 16.0 * f32::EPSILON),
             t_max: self.far * stretch,
+        }
+    }
+
+    /// Where on the film a point is seen, and the ray from the camera that ends there; `None` where it is behind.
+    pub fn seen(&self, point: Point3) -> Option<(Vec2, Ray)> {
+        let p = self.render_from_camera.inverse_point(point).0.as_dvec3();
+        let screen = match self.projection {
+            Projection::Perspective if p.z < 0.0 => DVec2::new(p.x, p.y) / -p.z,
+            Projection::Orthographic => DVec2::new(p.x, p.y),
+            Projection::Perspective => return None,
+        };
+        let film = ((screen - self.screen_min) / self.screen_step).as_vec2();
+        let ray = self.ray(film);
+        let distance = (point - ray.origin).dot(ray.direction);
+        (distance > ray.t_min && distance < ray.t_max).then_some((film, Ray { t_max: distance, ..ray }))
+    }
+
+    /// Whether it sees all angles as they are.
+    pub fn keeps_angles(&self) -> bool {
+        keeps_angles(&glam::Mat3::from(self.render_from_camera.forward().matrix3).as_dmat3())
+    }
+
+    /// Pixels to a unit of area that lies across a ray, unit direction, at a distance; where [angles are kept](Self::keeps_angles).
+    pub fn pixels_over_area(&self, direction: Vector3, distance: f32) -> f32 {
+        let m = &self.render_from_camera.forward().matrix3;
+        let along = self.render_from_camera.inverse_vector(direction);
+        // of a camera that is not squeezed: a unit of its own space
+        let unit = m.z_axis.length();
+        let step = (self.screen_step.x * self.screen_step.y) as f32;
+        match self.projection {
+            Projection::Perspective => {
+                let cosine = -along.z() * unit;
+                1.0 / (step * cosine * cosine * cosine * distance * distance)
+            }
+            Projection::Orthographic => 1.0 / (step * unit * unit),
         }
     }
 

@@ -10,7 +10,6 @@
 
 mod aim;
 mod map;
-mod photons;
 
 use umber_settings::{Integrator, Settings};
 
@@ -21,7 +20,8 @@ pub(crate) use map::CausticMap;
 
 /// Whether there may be any.
 pub(crate) fn are_possible(settings: &Settings, materials: &[RenderMaterial]) -> bool {
-    settings.integrator == Integrator::Path
+    settings.light_tracing
+        && settings.integrator == Integrator::Path
         && settings.max_bounces >= 2
         && materials.iter().any(|material| material.lobes.is_some_and(|lobes| lobes.focuses()))
 }

@@ -185,6 +185,7 @@ impl Compiler {
             linking: self.linking.clone(),
             partly_present,
             caustics: None,
+            light_tracing: None,
             path_group: 1,
             splitting: Splitting::NONE,
         }

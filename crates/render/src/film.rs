@@ -10,6 +10,7 @@ use umber_math::Rgb;
 
 use crate::aov::{Accumulation, Aov};
 use crate::format::BufferFormat;
+use crate::light_tracing::LightImage;
 
 use pixel::encode;
 pub(crate) use pixel::{CenterHit, PixelSum, Samples};
@@ -80,6 +81,8 @@ pub struct Film {
     centers: Vec<Aov>,
     columns: usize,
     tiles: Vec<Mutex<Tile>>,
+    /// What light paths add to either half.
+    light: Mutex<[LightImage; 2]>,
 }
 
 impl Film {
@@ -95,7 +98,7 @@ impl Film {
             Mutex::new(Tile::new(rect))
         };
         let tiles = (0..columns * rows).map(tile).collect();
-        Self { desc, centers, columns, tiles }
+        Self { desc, centers, columns, tiles, light: Mutex::default() }
     }
     /// A film without samples, in the memory of one that is not needed any more, where they are of one kind.
     pub(crate) fn renewed(desc: FilmDesc, old: Option<Self>) -> Self {
@@ -104,6 +107,7 @@ impl Film {
             let tile = tile.get_mut().unwrap_or_else(PoisonError::into_inner);
             tile.clear();
         }
+        film.light = Mutex::default();
         film
     }
     /// What it was made for.
@@ -131,6 +135,11 @@ impl Film {
         self.tile(index).set_centers(planes.collect());
     }
 
+    /// What light paths add to either half.
+    pub(crate) fn light(&self) -> MutexGuard<'_, [LightImage; 2]> {
+        self.light.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Bytes it takes once every pixel has samples, in `halves` halves.
     pub fn memory_bytes(&self, halves: usize) -> usize {
         let pixels = self.desc.width * self.desc.height;
@@ -146,10 +155,15 @@ impl Film {
         if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(|half| half.sums.is_empty())) {
             return None;
         }
+        let light = self.light();
         let over = |value: &dyn Fn([DVec3; 2]) -> f64| {
             let of_tile = |tile: MutexGuard<'_, Tile>| -> f64 {
-                let pixels = 0..tile.rect.width * tile.rect.height;
-                pixels.map(|i| value(tile.sums(i).map(|half| half.radiance()))).sum()
+                let of_pixel = |i: usize| {
+                    let [x, y] = tile.rect.place(i);
+                    let (sums, light) = (tile.sums(i), tile.light(i, &light, y * self.desc.width + x));
+                    value([0, 1].map(|half| sums[half].radiance() + light[half].0.as_dvec3()))
+                };
+                (0..tile.rect.width * tile.rect.height).map(of_pixel).sum()
             };
             tiles().map(of_tile).sum::<f64>() / (self.desc.width * self.desc.height) as f64
         };
@@ -169,6 +183,7 @@ impl Film {
         }
         let plane = self.centers.iter().position(|a| *a == aov);
         let mut colors = [[0.0; 4]; TILE];
+        let light = self.light();
         for index in 0..self.tiles.len() {
             let tile = self.tile(index);
             let TileRect { x, y, width, height } = tile.rect;
@@ -179,6 +194,7 @@ impl Film {
                     Some(plane) => tile.write_centers(row, aov, plane, format, out),
                     None => {
                         tile.row_colors(row, self.desc.clear_color, &mut colors[..width]);
+                        tile.add_light(row, &light, (y + row) * self.desc.width + x, &mut colors[..width]);
                         format.write_row(&colors[..width], out);
                     }
                 }

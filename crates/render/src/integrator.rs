@@ -75,7 +75,7 @@ pub enum Target<'a> {
 
 impl Goal<'_> {
     /// Samples of the pixel at column `x` and row `y`, in each half.
-    fn counts(&self, x: usize, y: usize) -> [u32; 2] {
+    pub fn counts(&self, x: usize, y: usize) -> [u32; 2] {
         let halves = adaptive::halves(self.samples);
         match self.target {
             Target::Even => [self.samples, 0],
@@ -84,6 +84,16 @@ impl Goal<'_> {
                 let planned = plan.counts(x, y);
                 std::array::from_fn(|half| planned[half].min(halves[half]))
             }
+        }
+    }
+    /// Samples of all pixels of a film of so many across and down, in each half.
+    pub fn totals(&self, [width, height]: [usize; 2]) -> [u64; 2] {
+        match self.target {
+            Target::Planned(_) => (0..width * height).fold([0; 2], |[a, b], i| {
+                let [in_a, in_b] = self.counts(i % width, i / width).map(u64::from);
+                [a + in_a, b + in_b]
+            }),
+            _ => self.counts(0, 0).map(|count| u64::from(count) * (width * height) as u64),
         }
     }
     /// Samples of each of the two runs of a half that are to tell how many more it needs; `None` where that is known.

@@ -14,6 +14,7 @@ use crate::caustics::{CausticMap, Guided};
 use crate::compile::InstanceNumber;
 use crate::integrator::splitting::Splitting;
 use crate::light_set::LightSet;
+use crate::light_tracing::LightTracing;
 use crate::linking::Linking;
 use crate::material::RenderMaterial;
 use crate::mesh::RenderMesh;
@@ -44,6 +45,8 @@ pub struct RenderScene {
     pub partly_present: bool,
     /// Where caustics lie, where that was looked for and found.
     pub caustics: Option<CausticMap>,
+    /// How caustics are found from the other end, where that pays.
+    pub(crate) light_tracing: Option<LightTracing>,
     /// Pixels of a group that shares paths; 1 where none are shared.
     pub path_group: usize,
     /// Which samples of a pixel begin with the same ray.
@@ -51,7 +54,7 @@ pub struct RenderScene {
 }
 
 /// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.
-const LED_BOUNCES: u32 = 2;
+const LED_BOUNCES: u32 = 3;
 /// Rays that went through surfaces which are not there end after so many of them.
 pub(crate) const MAX_PASSES: u32 = 1024;
 
@@ -59,11 +62,8 @@ impl RenderScene {
     /// The BSDF at a vertex of a path, 0 for the first behind the camera, led to where caustics there come from.
     #[inline(always)]
     pub fn guided(&self, bsdf: Bsdf, point: Point3, bounce: u32) -> Guided<'_> {
-        let places = self
-            .caustics
-            .as_ref()
-            .filter(|_| bounce < LED_BOUNCES && bsdf.scatters())
-            .and_then(|map| map.places(point));
+        let is_led = bounce < LED_BOUNCES && bsdf.scatters() && (self.light_tracing.is_none() || bounce > 0);
+        let places = self.caustics.as_ref().filter(|_| is_led).and_then(|map| map.places(point));
         Guided::new(bsdf, point, places)
     }
 
@@ -101,7 +101,7 @@ impl RenderScene {
         None
     }
 
-    fn culls(&self, hit: &Hit, direction: Vector3) -> bool {
+    pub(crate) fn culls(&self, hit: &Hit, direction: Vector3) -> bool {
         let culled = self.meshes[hit.mesh as usize].culled_faces;
         if culled == CulledFaces::None {
             return false;

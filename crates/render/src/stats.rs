@@ -22,6 +22,8 @@ pub struct Stats {
     pub compile_seconds: f64,
     /// Rays traced for the picture.
     pub rays: u64,
+    /// Paths from smooth surfaces in the light; 0: none are followed.
+    pub light_paths: u64,
     /// Pixels of a group that shares paths; 1: none are shared.
     pub path_group: u32,
     /// Samples of a pixel that begin with the same ray from the camera; 1: each has its own.
@@ -61,6 +63,7 @@ impl Stats {
             ("renderSeconds", Value::Float(self.render_seconds)),
             ("compileSeconds", Value::Float(self.compile_seconds)),
             ("rays", int(self.rays)),
+            ("lightPaths", int(self.light_paths)),
             ("pathGroup", int(self.path_group.into())),
             ("samplesPerCameraRay", int(self.samples_a_ray.into())),
             ("threads", int(self.threads.into())),

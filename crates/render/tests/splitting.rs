@@ -112,7 +112,6 @@ fn threads_and_stops_change_nothing() {
 #[test]
 fn the_mean_stays() {
     const SEEDS: i64 = 10;
-    const BLOCK: usize = 8;
     let blocks = |splitting: i64, group: i64| {
         let session = room(SAMPLES);
         session.edit(setting("umber:pathSplitting", splitting)).unwrap();
@@ -121,35 +120,14 @@ fn the_mean_stays() {
         let mut picture = |seed| {
             session.edit(setting("umber:seed", seed)).unwrap();
             split += usize::from(share_of(&session) > 1);
-            let color = color_of(&session, EDGE * EDGE);
-            let mut sums = vec![0.0; (EDGE / BLOCK).pow(2) + 1];
-            for (i, pixel) in color.iter().enumerate() {
-                let block = i / EDGE / BLOCK * (EDGE / BLOCK) + i % EDGE / BLOCK;
-                sums[block] += f64::from(pixel[0]);
-                *sums.last_mut().unwrap() += f64::from(pixel[0]);
-            }
-            sums
+            block_sums(&color_of(&session, EDGE * EDGE), EDGE)
         };
         let pictures: Vec<_> = (0..SEEDS).map(|seed| picture(seed + 100 * splitting + 1000 * group)).collect();
         // a trial may be wrong now and then
         assert!(if splitting == 1 { split > SEEDS as usize / 2 } else { split == 0 }, "{split}");
         pictures
     };
-    let moments = |pictures: &[Vec<f64>], block: usize| {
-        let mean = pictures.iter().map(|p| p[block]).sum::<f64>() / SEEDS as f64;
-        let squares = pictures.iter().map(|p| (p[block] - mean).powi(2)).sum::<f64>();
-        (mean, squares / ((SEEDS - 1) * SEEDS) as f64)
-    };
     for group in [0, 1] {
-        let (alone, split) = (blocks(0, group), blocks(1, group));
-        let z = |block: usize| {
-            let ((a, va), (b, vb)) = (moments(&alone, block), moments(&split, block));
-            (a - b) / (va + vb).sqrt()
-        };
-        let scores: Vec<f64> = (0..alone[0].len()).map(z).collect();
-        println!("shared {group}: {scores:.1?}");
-        // Student's t of 18 degrees of freedom: one in 37 is beyond 4.5 once in a hundred tests
-        assert!(scores.iter().all(|z| z.abs() < 4.5), "{scores:?}");
-        assert!(scores.last().unwrap().abs() < 3.0, "{scores:?}");
+        assert_same_means(&format!("shared {group}"), &blocks(0, group), &blocks(1, group));
     }
 }

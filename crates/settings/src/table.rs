@@ -72,6 +72,8 @@ settings! {
         "Path Reuse", "Whether neighbouring pixels share what their paths find, without bias, where a trial at the start shows that it pays.";
     path_splitting: bool = true, "umber:pathSplitting", None,
         "Path Splitting", "Whether several samples of a pixel begin with the same ray from the camera, without bias, where a trial at the start shows that it pays.";
+    light_tracing: bool = true, "umber:lightTracing", None,
+        "Light Tracing", "Whether caustics are made by paths from smooth surfaces in the light, too, and paths from the camera are led to them, without bias, where a search at the start finds any.";
     firefly_clamp: f32 = 0.0, "umber:fireflyClamp", Some((0.0, 1e30)),
         "Firefly Clamp (Biased)", "Largest radiance that one sample of a pixel may have: hides bright specks, but is biased, as their light is lost; 0: off.";
     seed: u32 = 0, "umber:seed", Some((0.0, 4_294_967_295.0)),

@@ -5,21 +5,12 @@ use rustc_hash::FxHashMap;
 use umber_math::{Point3, Vec3};
 
 use super::aim::{PLACES, Places};
-use super::photons::{self, Landing};
-use crate::film::FilmDesc;
-use crate::integrator::Stop;
-use crate::scene::RenderScene;
+use crate::light_tracing::Landing;
 
 /// Edge of a cell at a distance of 1 from the camera.
-const CELL: f32 = 1.0 / 32.0;
+const CELL: f32 = 1.0 / 64.0;
 /// A reflection counts as a caustic where, met by a ray of the BSDF, it is so many times what direct light gives.
 const BRIGHT: f32 = 4.0;
-/// Samples of the picture to one path that sends photons out.
-const SAMPLES_A_PATH: u64 = 64;
-/// Fewer such paths teach too little; more teach little more.
-const PATHS: [u64; 2] = [1 << 13, 1 << 16];
-/// One path in so many is followed first.
-const TRIAL: u32 = 8;
 /// More landings, where most surfaces are smooth, would take long to sort.
 const MOST_LANDINGS: usize = 1 << 16;
 /// Of the distance between two places, the radius that each gets; and the least and the most, of a cell's edge.
@@ -33,13 +24,9 @@ pub(crate) struct CausticMap {
     cells: FxHashMap<Cell, Places>,
 }
 
-/// A cube of space. They grow with the distance from the camera, by powers of two.
+/// A cube of space, by a number of its own. They grow with the distance from the camera, by powers of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-struct Cell {
-    /// Power of two of the edge, over [`CELL`].
-    level: i32,
-    at: [i32; 3],
-}
+struct Cell(u64);
 
 impl Cell {
     /// That of a point, given from the camera.
@@ -50,11 +37,16 @@ impl Cell {
         let exponent = (point.length_squared().to_bits() >> (31 - EXPONENT_BITS) & 0xff) as i32 - BIAS;
         let level = exponent >> 1;
         // a level is at most half an exponent: its power is a normal number
-        let at = (point * (power_of_two(-level) / CELL)).floor().as_ivec3();
-        Self { level, at: at.to_array() }
+        let at = (point * (power_of_two(-level) / CELL)).floor().as_i16vec3();
+        let bits = |i: i16| u64::from(i as u16);
+        Self(bits(level as i16) << 48 | bits(at.x) << 32 | bits(at.y) << 16 | bits(at.z))
     }
-    fn edge(&self) -> f32 {
-        CELL * power_of_two(self.level)
+    /// Power of two of the edge, over [`CELL`].
+    fn level(self) -> i32 {
+        i32::from((self.0 >> 48) as i16)
+    }
+    fn edge(self) -> f32 {
+        CELL * power_of_two(self.level())
     }
     /// That of a point and those of the points one edge away along each axis, each cell once.
     fn around(point: Vec3) -> Vec<Self> {
@@ -74,24 +66,10 @@ fn power_of_two(exponent: i32) -> f32 {
 }
 
 impl CausticMap {
-    /// Of a scene as a film shows it, with so many samples a pixel to come; on the threads of the pool that it is
-    /// called in. `None` where no caustics are found, or the samples are too few to pay for a search. Counts rays.
-    /// Of no use where stopped meanwhile.
-    pub fn new(scene: &RenderScene, film: &FilmDesc, samples: u32, stop: &Stop<'_>, rays: &mut u64) -> Option<Self> {
-        let [fewest, most] = PATHS;
-        let paths = (film.width as u64 * film.height as u64 * u64::from(samples) / SAMPLES_A_PATH).min(most);
-        if paths < fewest {
-            return None;
-        }
-        let (paths, eye) = (paths as u32, scene.camera.position());
-        // most scenes that could have caustics have none: few paths tell
-        let mut landings = photons::landings(scene, film, 0..paths / TRIAL, stop, rays);
-        if stop.now() || cells(&landings, eye).is_empty() {
-            return None;
-        }
-        landings.extend(photons::landings(scene, film, paths / TRIAL..paths, stop, rays));
-        landings.truncate(MOST_LANDINGS);
-        (!stop.now()).then(|| Self { eye, cells: cells(&landings, eye) })
+    /// Seen from `eye`, from where light paths landed; `None` where no caustics are found.
+    pub fn new(eye: Point3, landings: &[Landing]) -> Option<Self> {
+        let cells = cells(&landings[..landings.len().min(MOST_LANDINGS)], eye);
+        (!cells.is_empty()).then_some(Self { eye, cells })
     }
 
     /// The places that caustics at a point come from; `None` where there are none.
@@ -108,16 +86,16 @@ fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
         |(landing, i): (&Landing, u32)| Cell::around(landing.point.0 - eye.0).into_iter().map(move |cell| (cell, i));
     let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
     entries.par_sort_unstable();
-    let cells = entries.chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
+    let cells = entries.par_chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
         let cell = entries[0].0;
-        let of_cell: Vec<Landing> = entries.iter().map(|(_, i)| landings[*i as usize]).collect();
+        let of_cell: Vec<&Landing> = entries.iter().map(|(_, i)| &landings[*i as usize]).collect();
         Some((cell, places(&of_cell, cell.edge())?))
     });
     cells.collect()
 }
 
 /// The places that a cell's caustics come from: of all, as often as they matter. `None` where nothing is a caustic.
-fn places(landings: &[Landing], edge: f32) -> Option<Places> {
+fn places(landings: &[&Landing], edge: f32) -> Option<Places> {
     let direct = landings.iter().map(|landing| landing.direct).sum::<f32>() / landings.len() as f32;
     let bright = || landings.iter().filter(|landing| landing.reflected > BRIGHT * direct);
     let sum: f64 = bright().map(|landing| f64::from(landing.weight)).sum();
@@ -149,12 +127,13 @@ mod tests {
     #[test]
     fn cells_grow_with_the_distance() {
         let of = |x: f32| Cell::of(Vec3::new(x, 0.0, 0.0));
-        assert_eq!((of(1.0).edge(), of(1.9).edge(), of(2.0).edge(), of(1024.0).edge()), (CELL, CELL, 2.0 * CELL, 32.0));
         assert_eq!(
-            (of(1.001), of(1.001 + CELL)),
-            (Cell { level: 0, at: [32, 0, 0] }, Cell { level: 0, at: [33, 0, 0] })
+            (of(1.0).edge(), of(1.9).edge(), of(2.0).edge(), of(1024.0).edge()),
+            (CELL, CELL, 2.0 * CELL, 1024.0 * CELL)
         );
-        assert_eq!(of(1.999).level + 1, of(2.001).level);
+        let [a, b] = [1.001, 1.001 + CELL].map(of);
+        assert_eq!((a.level(), b.0 - a.0), (0, 1 << 32));
+        assert_eq!(of(1.999).level() + 1, of(2.001).level());
         for odd in [0.0, f32::MIN_POSITIVE, 1e-30, 1e30, f32::MAX, f32::INFINITY, f32::NAN, -f32::NAN] {
             assert!(of(odd).edge() > 0.0);
         }
@@ -166,7 +145,7 @@ mod tests {
         assert_eq!(around.len(), 27);
         // where cells grow, cells of both sizes
         let around = Cell::around(Vec3::new(0.0, 0.0, 2.0));
-        assert!(around.iter().any(|cell| cell.level == 0) && around.iter().any(|cell| cell.level == 1));
+        assert!(around.iter().any(|cell| cell.level() == 0) && around.iter().any(|cell| cell.level() == 1));
     }
 
     fn landing(x: f32, weight: f32, reflected: f32) -> Landing {
@@ -180,7 +159,8 @@ mod tests {
         let expected: [_; PLACES] = std::array::from_fn(|i| at(if i < 6 { 1.0 } else { 2.0 }));
         // what is no brighter than direct light is no caustic, whatever its weight
         let edge = 0.75;
-        assert_eq!(places(&landings, edge), Some(Places::new(expected)));
-        assert_eq!(places(&landings[2..], edge), None);
+        let [a, b, c] = &landings;
+        assert_eq!(places(&[a, b, c], edge), Some(Places::new(expected)));
+        assert_eq!(places(&[c], edge), None);
     }
 }

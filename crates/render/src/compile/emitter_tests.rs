@@ -302,6 +302,7 @@ fn copy(scene: &RenderScene) -> RenderScene {
         linking: scene.linking.clone(),
         partly_present: scene.partly_present,
         caustics: None,
+        light_tracing: None,
         path_group: 1,
         splitting: Splitting::NONE,
     }

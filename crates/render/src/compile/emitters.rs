@@ -9,10 +9,11 @@ use umber_scene::{Light, LightId, LightKind, MaterialSync, MeshId, SceneStore, S
 use umber_shading::{EmitterMesh, EmitterTriangle, LightParams, LightProblem};
 
 use super::{lights, materials};
-use crate::emitter_index::{EmitterIndex, Numbering};
+use crate::emitter_index::EmitterIndex;
 use crate::linking::LightLinks;
 use crate::material::RenderMaterial;
 use crate::mesh::{MeshShape, RenderMesh};
+use crate::numbering::Numbering;
 
 /// The lights of meshes, and how a hit finds its own.
 #[derive(Default)]

@@ -1,11 +1,13 @@
 //! A tile of the film: its samples, and what is seen through its pixels' middles.
 
 use glam::Vec4;
+use umber_math::Rgb;
 
 use super::COARSE;
 use super::pixel::{self, PixelSum, Samples, decode};
 use crate::aov::Aov;
 use crate::format::BufferFormat;
+use crate::light_tracing::LightImage;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +90,28 @@ impl Tile {
         COARSE.iter().rev().find_map(|stride| pixel::mean(at(*stride)))
     }
 
+    /// What light paths add to pixel `i`, which is number `pixel` of the film, in each half.
+    #[inline]
+    pub fn light(&self, i: usize, light: &[LightImage; 2], pixel: usize) -> [Rgb; 2] {
+        let sums = self.sums(i);
+        [0, 1].map(|half| light[half].radiance(pixel, sums[half].samples))
+    }
+
+    /// Adds what light paths bring to a row of colours, whose first pixel is number `first` of the film.
+    pub fn add_light(&self, row: usize, light: &[LightImage; 2], first: usize, out: &mut [[f32; 4]]) {
+        if light[0].is_empty() {
+            return;
+        }
+        for (column, out) in out.iter_mut().enumerate() {
+            let [a, b] = self.light(row * self.rect.width + column, light, first + column);
+            // as the means of halves
+            let sum = if light[1].is_empty() { a } else { (a + b) * 0.5 };
+            for (channel, sum) in out.iter_mut().zip(sum.0.to_array()) {
+                *channel += sum;
+            }
+        }
+    }
+
     /// Writes a row of an AOV that is seen through pixel middles: the one of that number.
     pub fn write_centers(&self, row: usize, aov: Aov, plane: usize, format: BufferFormat, out: &mut [u8]) {
         let bits = self.centers.get(plane).map(|plane| &plane[row * self.rect.width..]);
@@ -100,7 +124,6 @@ impl Tile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umber_math::Rgb;
 
     #[test]
     fn pixels_without_samples_show_the_coarse_grid() {

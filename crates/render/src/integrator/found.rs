@@ -19,6 +19,14 @@ pub(super) enum Origin {
         diffuse_share: Rgb,
         links: Links,
     },
+    /// By a mirror, where light paths find the light, too.
+    Traced {
+        receiver: Receiver,
+        /// Density of light paths over that of light samples, where rays have 1.
+        ratio: f32,
+        diffuse_share: Rgb,
+        links: Links,
+    },
     /// By the BSDF at a point, with this density.
     Bsdf {
         receiver: Receiver,
@@ -42,7 +50,7 @@ impl Origin {
     pub fn links(&self) -> Option<Links> {
         match self {
             Self::Camera => None,
-            Self::Delta { links, .. } | Self::Bsdf { links, .. } => Some(*links),
+            Self::Delta { links, .. } | Self::Traced { links, .. } | Self::Bsdf { links, .. } => Some(*links),
         }
     }
 }
@@ -62,6 +70,10 @@ fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: imp
     match origin {
         Origin::Camera => Rgb::WHITE,
         Origin::Delta { diffuse_share, .. } => multiplier(scene, light, diffuse_share),
+        Origin::Traced { receiver, ratio, diffuse_share, links } => {
+            let pdf_traced = ratio * scene.light_pmf(links, &receiver, light) * density(&receiver);
+            multiplier(scene, light, diffuse_share) * power_heuristic(1.0, pdf_traced)
+        }
         Origin::Bsdf { receiver, pdf_solid_angle, diffuse_share, links } => {
             if !scene.is_found_by_rays(light) {
                 // its shadows are not those that rays meet

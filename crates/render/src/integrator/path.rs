@@ -9,6 +9,7 @@ use super::dimensions::{self, Draw};
 use super::found::{Met, Origin};
 use super::primary::Primary;
 use crate::caustics::Guided;
+use crate::light_tracing::chain::{Chain, Link};
 use crate::scene::RenderScene;
 use crate::shadow;
 use crate::surface::SurfaceInteraction;
@@ -25,6 +26,8 @@ pub(super) struct Walk<'a> {
     scale: f32,
     /// Surfaces met.
     bounce: u32,
+    /// How densely light paths make it.
+    chain: Chain,
 }
 
 /// A surface that a path meets.
@@ -36,6 +39,8 @@ pub(crate) struct Vertex<'a> {
     pub wo: Vector3,
     /// How many the path met before.
     pub bounce: u32,
+    /// How densely light paths make the path that leads there.
+    pub link: Link,
 }
 
 /// What a path's ray finds.
@@ -63,7 +68,15 @@ pub fn radiance(primary: &Primary<'_>, sampler: &mut Sampler, rays: &mut u64) ->
 impl<'a> Walk<'a> {
     /// Begins with a ray from the camera.
     pub fn new(scene: &'a RenderScene, ray: Ray) -> Self {
-        Self { scene, ray, origin: Origin::Camera, throughput: Rgb::WHITE, scale: 1.0, bounce: 0 }
+        Self {
+            scene,
+            ray,
+            origin: Origin::Camera,
+            throughput: Rgb::WHITE,
+            scale: 1.0,
+            bounce: 0,
+            chain: Chain::default(),
+        }
     }
 
     /// Radiance by the rest of the path from a vertex, times the throughput up to there.
@@ -123,17 +136,18 @@ impl<'a> Walk<'a> {
     /// Where the path may go on from what it met.
     #[inline(always)]
     pub fn vertex(&self, met: &Met) -> Option<Vertex<'a>> {
-        let Met::Surface(_, surface) = *met else { return None };
+        let Met::Surface(hit, surface) = *met else { return None };
         let (scene, bounce, wo) = (self.scene, self.bounce, -self.ray.direction);
         let bsdf = (bounce < scene.settings.max_bounces).then(|| surface.bsdf(wo)).filter(|bsdf| !bsdf.is_black())?;
         let guided = scene.guided(bsdf, surface.at.point, bounce);
-        Some(Vertex { surface, guided, wo, bounce })
+        let link = self.chain.link(scene, &hit, &surface, &bsdf, wo, bounce);
+        Some(Vertex { surface, guided, wo, bounce, link })
     }
 
     /// Chooses where the path goes on from a vertex; `None` where it ends.
     #[inline(always)]
     pub fn scatter(&mut self, vertex: &Vertex<'_>, sampler: &mut Sampler) -> Option<Scattering> {
-        let Vertex { surface, guided, wo, bounce } = vertex;
+        let Vertex { surface, guided, wo, bounce, link } = vertex;
         let lobe = if guided.bsdf.chooses_lobe() {
             sampler.start_dimension(dimensions::vertex(*bounce, Draw::LobeChoice));
             sampler.next_1d()
@@ -153,11 +167,19 @@ impl<'a> Walk<'a> {
         }
         let survival = self.survival(*bounce, sampler)?;
         let (diffuse_share, links) = (share(sample.f_diffuse, sample.f), surface.links);
+        let (ratio, chain) = link.onwards(surface, &guided.bsdf, *wo, *bounce, &sample);
+        self.chain = chain;
         self.origin = match sample.lobe {
+            LobeKind::Delta if ratio.0 > 0.0 => Origin::Traced {
+                receiver: receiver(surface, *wo),
+                ratio: ratio.0 / sample.pdf_solid_angle,
+                diffuse_share,
+                links,
+            },
             LobeKind::Delta => Origin::Delta { diffuse_share, links },
             LobeKind::Diffuse | LobeKind::Glossy => Origin::Bsdf {
                 receiver: receiver(surface, *wo),
-                pdf_solid_angle: sample.pdf_solid_angle,
+                pdf_solid_angle: sample.pdf_solid_angle / ratio.of_both(),
                 diffuse_share,
                 links,
             },
@@ -244,7 +266,30 @@ impl Arriving {
 #[inline(always)]
 pub(crate) fn direct(scene: &RenderScene, vertex: &Vertex<'_>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
     let arriving = arriving(scene, vertex, sampler, rays);
-    arriving.map_or(Rgb::BLACK, |light| light.radiance * light.reflectance * light.mis_weight_light(light.pdf_of_bsdf))
+    arriving.map_or(Rgb::BLACK, |light| {
+        let ratio = vertex.link.ratio(&vertex.guided.bsdf, vertex.wo, light.wi);
+        // of what both ways that sample lights have beside rays
+        let mis_weight = light.mis_weight_light(light.pdf_of_bsdf / ratio.of_both()) * ratio.share_of_path();
+        light.radiance * light.reflectance * mis_weight
+    })
+}
+
+/// How much of the light of a sample of light number `index` arrives at a surface, channel by channel.
+#[inline(always)]
+pub(crate) fn visible(
+    scene: &RenderScene,
+    surface: &SurfaceInteraction,
+    sample: &LightSample,
+    index: u32,
+    rays: &mut u64,
+) -> Rgb {
+    let light = &scene.lights.lights()[index as usize];
+    let shadow_ray = || shadow_ray(surface, sample);
+    match light.shadow_shape() {
+        _ if !light.shadow_enable() => Rgb::WHITE,
+        Some(shape) => shadow::visibility(scene, shape, shadow_ray(), index, surface.links, rays),
+        None => Rgb::splat(scene.arriving(shadow_ray(), index, surface.links, rays)),
+    }
 }
 
 /// One light sample; `None` where nothing arrives, or nothing is reflected.
@@ -255,7 +300,7 @@ pub(super) fn arriving(
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Option<Arriving> {
-    let Vertex { surface, guided, wo, bounce } = vertex;
+    let Vertex { surface, guided, wo, bounce, .. } = vertex;
     let receiver = receiver(surface, *wo);
     let (index, pmf) = scene.choose_light(surface.links, &receiver, || {
         sampler.start_dimension(dimensions::vertex(*bounce, Draw::LightChoice));
@@ -273,12 +318,7 @@ pub(super) fn arriving(
     if unoccluded.is_black() || !unoccluded.is_finite() {
         return None;
     }
-    let shadow_ray = || shadow_ray(surface, &sample);
-    let radiance = match light.shadow_shape() {
-        _ if !light.shadow_enable() => radiance,
-        Some(shape) => radiance * shadow::visibility(scene, shape, shadow_ray(), index, surface.links, rays),
-        None => radiance * scene.arriving(shadow_ray(), index, surface.links, rays),
-    };
+    let radiance = radiance * visible(scene, surface, &sample, index, rays);
     let is_found_by_rays = !sample.is_delta && scene.is_found_by_rays(index);
     (!radiance.is_black()).then_some(Arriving {
         wi: sample.wi,

@@ -32,6 +32,7 @@ use crate::light_set::LightSet;
 pub(crate) use gain::best_group;
 pub(super) use groups::{Groups, runs};
 pub(super) use share::share;
+pub(crate) use trace::is_shared;
 pub(super) use trace::{Path, trace};
 
 /// Most pixels of a group.

@@ -10,9 +10,10 @@ use umber_settings::Integrator;
 use super::control::Shared;
 use crate::adaptive::{self, Plan};
 use crate::caustics::{self, CausticMap};
-use crate::film::{COARSE, Film};
+use crate::film::{COARSE, Film, FilmDesc};
 use crate::integrator::splitting::{self, Splitting};
 use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile, reuse};
+use crate::light_tracing::LightTracing;
 use crate::scene::RenderScene;
 
 /// Samples a pixel that one pass of a final frame adds.
@@ -70,6 +71,7 @@ impl Picture {
             if !self.is_prepared && self.done >= self.samples_before() {
                 self.prepare(shared, pool);
             }
+            self.trace_light(shared, pool, samples);
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
                 Passed::TimeIsUp => break,
@@ -94,19 +96,21 @@ impl Picture {
         true
     }
 
-    /// Decides how the samples to come are taken: where they are led to find caustics, how many pixels share their paths,
-    /// and whether paths are split, each judged as they are led and without the others. All is left as it was where it was stopped.
+    /// Decides how the samples to come are taken: how they find caustics, how many pixels share their paths, and whether
+    /// paths are split, each of the last two judged with caustics as they are found and without the other. All is left as it
+    /// was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
         let samples = self.scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
         let (scene, film) = (&mut self.scene, self.film.desc());
         let mut rays = 0;
-        if caustics::are_possible(&scene.settings, &scene.materials) {
-            scene.caustics = pool.install(|| CausticMap::new(scene, film, samples, &stop, &mut rays));
-        }
+        pool.install(|| find_caustics(scene, film, samples, &stop, &mut rays));
         if reuse::is_possible(&scene.settings, &scene.lights) {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
+        }
+        if let Some(tracing) = &mut scene.light_tracing {
+            tracing.beside_shared_paths = scene.path_group > 1;
         }
         let splitting = Splitting::wanted(&scene.settings, scene.path_group);
         let all = scene.settings.converged_samples_per_pixel;
@@ -114,7 +118,8 @@ impl Picture {
             scene.splitting = splitting;
         }
         if stop.now() {
-            (scene.caustics, scene.path_group, scene.splitting) = (None, 1, Splitting::NONE);
+            (scene.caustics, scene.light_tracing) = (None, None);
+            (scene.path_group, scene.splitting) = (1, Splitting::NONE);
         } else {
             self.is_prepared = true;
             let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
@@ -123,6 +128,30 @@ impl Picture {
                 s.path_group = scene.path_group as u32;
                 s.samples_a_ray = scene.splitting.share(per_sequence);
             });
+        }
+        self.seconds += started.elapsed().as_secs_f64();
+    }
+
+    /// Adds the light paths that belong to so many samples a pixel.
+    fn trace_light(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32) {
+        let Some(tracing) = &self.scene.light_tracing else { return };
+        let started = Instant::now();
+        let (stop, film) = (self.stop(shared, started), self.film.desc());
+        let size = [film.width, film.height];
+        let goals = [samples, self.samples_before()].map(|samples| self.goal(samples, 1).totals(size));
+        let before = self.goal(self.samples_before(), 1).counts(0, 0);
+        for half in 0..2 {
+            let pixels = film.width * film.height;
+            let first = self.film.light()[half].paths();
+            let until = tracing.paths(goals[0][half].saturating_sub(goals[1][half]));
+            let mut rays = 0;
+            let splats = pool.install(|| tracing.trace(&self.scene, film, first..until, half, &stop, &mut rays));
+            if stop.now() {
+                break;
+            }
+            self.film.light()[half].add(until, &splats, pixels, before[half]);
+            *self.rays.get_mut() += rays;
+            shared.update_stats(|s| s.light_paths += u64::from(until - first));
         }
         self.seconds += started.elapsed().as_secs_f64();
     }
@@ -181,17 +210,22 @@ impl Picture {
         self.plan.as_ref().map_or(most, |plan| plan.total() as f64)
     }
 
-    /// Brings every pixel where it is to be after `samples` samples.
-    fn pass(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32, stride: usize) -> Passed {
-        let started = Instant::now();
-        let limit = f64::from(self.scene.settings.time_limit);
-        let stop = self.stop(shared, started);
+    /// Where a pass brings the pixels.
+    fn goal(&self, samples: u32, stride: usize) -> Goal<'_> {
         let target = match &self.plan {
             Some(plan) => Target::Planned(plan),
             None if self.is_adaptive() => Target::Pilot(self.pilot()),
             None => Target::Even,
         };
-        let goal = Goal { samples, stride, target };
+        Goal { samples, stride, target }
+    }
+
+    /// Brings every pixel where it is to be after `samples` samples.
+    fn pass(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32, stride: usize) -> Passed {
+        let started = Instant::now();
+        let limit = f64::from(self.scene.settings.time_limit);
+        let stop = self.stop(shared, started);
+        let goal = self.goal(samples, stride);
         let (whole, before) = (self.whole(), self.seconds);
         let worked = |work: TileWork| {
             let rays = self.rays.fetch_add(work.rays, Ordering::Relaxed) + work.rays;
@@ -239,5 +273,20 @@ impl Picture {
             s.render_seconds = self.seconds;
         });
         passed
+    }
+}
+
+/// Looks for caustics of a scene in a picture of so many samples a pixel to come, and for how to find them.
+fn find_caustics(scene: &mut RenderScene, film: &FilmDesc, samples: u32, stop: &Stop<'_>, rays: &mut u64) {
+    if !caustics::are_possible(&scene.settings, &scene.materials) {
+        return;
+    }
+    let eye = scene.camera.position();
+    let matters = |landings: &[_]| CausticMap::new(eye, landings).is_some();
+    if let Some((mut tracing, landings)) = LightTracing::search(scene, film, samples, matters, stop, rays) {
+        scene.caustics = CausticMap::new(eye, &landings);
+        // for groups of all sizes to be compared
+        tracing.beside_shared_paths = true;
+        scene.light_tracing = Some(tracing);
     }
 }

@@ -149,3 +149,34 @@ pub fn assert_messages(session: &Session, expected: &[&str]) {
         assert!(text.contains(want), "{text:?} does not speak of {want:?}");
     }
 }
+
+/// Sums of red over the blocks of 8 × 8 pixels of a film of such an edge, and over all.
+pub fn block_sums(color: &[[f32; 4]], edge: usize) -> Vec<f64> {
+    const BLOCK: usize = 8;
+    let across = edge / BLOCK;
+    let mut sums = vec![0.0; across * across + 1];
+    for (i, pixel) in color.iter().enumerate() {
+        sums[i / edge / BLOCK * across + i % edge / BLOCK] += f64::from(pixel[0]);
+        *sums.last_mut().unwrap() += f64::from(pixel[0]);
+    }
+    sums
+}
+
+/// Pictures of two kinds, each by its [`block_sums`], have the same means. As many of either: of ten, Student's t of 18
+/// degrees of freedom; one of 37 blocks is beyond 4.5 once in a hundred tests.
+pub fn assert_same_means(what: &str, a: &[Vec<f64>], b: &[Vec<f64>]) {
+    let moments = |pictures: &[Vec<f64>], block: usize| {
+        let n = pictures.len() as f64;
+        let mean = pictures.iter().map(|p| p[block]).sum::<f64>() / n;
+        let squares = pictures.iter().map(|p| (p[block] - mean).powi(2)).sum::<f64>();
+        (mean, squares / ((n - 1.0) * n))
+    };
+    let z = |block: usize| {
+        let ((a, va), (b, vb)) = (moments(a, block), moments(b, block));
+        if a == b { 0.0 } else { (a - b) / (va + vb).sqrt() }
+    };
+    let scores: Vec<f64> = (0..a[0].len()).map(z).collect();
+    println!("{what}: {scores:.1?}");
+    assert!(scores.iter().all(|z| z.abs() < 4.5), "{what}: {scores:?}");
+    assert!(scores.last().unwrap().abs() < 3.0, "{what}: {scores:?}");
+}

@@ -3,8 +3,8 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec2};
-use umber_math::{Bounds3, Normal3, Point3, Rgb, Vec3, Vector3};
+use glam::{DAffine3, Vec2};
+use umber_math::{Bounds3, Normal3, Point3, Rgb, Vec3, Vector3, keeps_angles};
 
 use super::LightSample;
 use super::cluster::{Cluster, Cone};
@@ -193,12 +193,7 @@ impl MeshLight {
         let cone = self.mesh.tree.root().cone();
         let m = self.object_from_render.matrix3;
         let axis = (m.transpose() * cone.axis.as_dvec3()).normalize_or_zero().as_vec3();
-        let lengths = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length_squared);
-        let [least, most] =
-            [lengths.into_iter().fold(f64::INFINITY, f64::min), lengths.into_iter().fold(0.0, f64::max)];
-        let skew = m.x_axis.dot(m.y_axis).abs().max(m.y_axis.dot(m.z_axis).abs()).max(m.z_axis.dot(m.x_axis).abs());
-        let keeps_angles = most - least < 1e-4 * most && skew < 1e-4 * most;
         let flat = cone.cos >= 1.0 && axis != Vec3::ZERO;
-        if keeps_angles || flat { Cone { axis, ..cone } } else { Cone::ALL }
+        if keeps_angles(&m) || flat { Cone { axis, ..cone } } else { Cone::ALL }
     }
 }

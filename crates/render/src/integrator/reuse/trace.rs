@@ -2,7 +2,7 @@
 
 use umber_math::{Rgb, Vector3};
 use umber_sampling::Sampler;
-use umber_shading::LobeKind;
+use umber_shading::{Bsdf, LobeKind};
 
 use crate::integrator::found::{Met, Origin};
 use crate::integrator::path::{self, Arriving, Scattering, Vertex, Walk};
@@ -10,6 +10,12 @@ use crate::integrator::primary::Primary;
 
 /// Second vertices with no lobe as wide as this are not shared: what they reflect to one pixel, hardly another sees.
 const LEAST_ALPHA: f32 = 0.05;
+
+/// Whether what a second vertex reflects is shared.
+#[inline]
+pub(crate) fn is_shared(bsdf: &Bsdf) -> bool {
+    bsdf.is_wider_than(LEAST_ALPHA)
+}
 
 /// A path from the camera.
 pub(in crate::integrator) struct Path<'a> {
@@ -69,7 +75,7 @@ impl<'a> Path<'a> {
         let found = walk.find(sampler, &mut self.rays);
         self.radiance += walk.throughput * found.radiance;
         let Some(second) = found.vertex else { return };
-        if sample.lobe == LobeKind::Delta || !second.guided.bsdf.is_wider_than(LEAST_ALPHA) {
+        if sample.lobe == LobeKind::Delta || !is_shared(&second.guided.bsdf) {
             self.radiance += walk.on_from(&second, sampler, &mut self.rays);
             return;
         }
