@@ -3,14 +3,14 @@
 mod center;
 pub mod dimensions;
 mod direct;
-mod found;
+pub(crate) mod found;
 mod mirror;
 pub mod path;
 pub(crate) mod primary;
 pub mod raster;
 pub(crate) mod reuse;
 pub(crate) mod splitting;
-mod tile;
+pub(crate) mod tile;
 mod trial;
 
 use std::sync::atomic::{AtomicBool, Ordering};

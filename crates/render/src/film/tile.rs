@@ -99,13 +99,15 @@ impl Tile {
 
     /// Adds what light paths bring to a row of colours, whose first pixel is number `first` of the film.
     pub fn add_light(&self, row: usize, light: &[LightImage; 2], first: usize, out: &mut [[f32; 4]]) {
-        if light[0].is_empty() {
+        if light.iter().all(LightImage::is_empty) {
             return;
         }
         for (column, out) in out.iter_mut().enumerate() {
-            let [a, b] = self.light(row * self.rect.width + column, light, first + column);
-            // as the means of halves
-            let sum = if light[1].is_empty() { a } else { (a + b) * 0.5 };
+            let i = row * self.rect.width + column;
+            // halves with samples count the same, as in their mean
+            let halves = self.sums(i).iter().filter(|half| half.samples > 0).count();
+            let [a, b] = self.light(i, light, first + column);
+            let sum = (a + b) * (1.0 / halves.max(1) as f32);
             for (channel, sum) in out.iter_mut().zip(sum.0.to_array()) {
                 *channel += sum;
             }

@@ -70,6 +70,9 @@ fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: imp
     match origin {
         Origin::Camera => Rgb::WHITE,
         Origin::Delta { diffuse_share, .. } => multiplier(scene, light, diffuse_share),
+        Origin::Traced { diffuse_share, .. } if !is_found_in_mirrors(scene, light) => {
+            multiplier(scene, light, diffuse_share)
+        }
         Origin::Traced { receiver, ratio, diffuse_share, links } => {
             let pdf_traced = ratio * scene.light_pmf(links, &receiver, light) * density(&receiver);
             multiplier(scene, light, diffuse_share) * power_heuristic(1.0, pdf_traced)
@@ -84,6 +87,13 @@ fn weight_of_found(scene: &RenderScene, light: u32, origin: Origin, density: imp
             multiplier(scene, light, diffuse_share) * mis_weight_bsdf
         }
     }
+}
+
+/// Whether a light shows in mirrors as its samples see it: not where its shadows are others, nor where a material's own
+/// glow shows in its place.
+#[inline]
+pub(crate) fn is_found_in_mirrors(scene: &RenderScene, light: u32) -> bool {
+    scene.is_found_by_rays(light) && scene.lights.lights()[light as usize].as_mesh().is_none()
 }
 
 /// What a ray meets.

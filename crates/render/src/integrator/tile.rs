@@ -267,7 +267,7 @@ fn clamped(radiance: Rgb, largest: f32) -> Rgb {
 const LARGEST: f32 = 1e30;
 
 /// Nothing may poison a pixel: what is not a number counts as black, what is too large is cut.
-fn finite(radiance: Rgb) -> Rgb {
+pub(crate) fn finite(radiance: Rgb) -> Rgb {
     if radiance.0.is_nan() { Rgb::BLACK } else { Rgb(radiance.0.clamp(glam::Vec3::ZERO, glam::Vec3::splat(LARGEST))) }
 }
 

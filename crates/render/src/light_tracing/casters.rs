@@ -1,5 +1,6 @@
 //! Where light paths begin: points of smooth surfaces, on either side.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -14,9 +15,11 @@ use crate::scene::RenderScene;
 /// Triangles of a block, by their numbers: those of a mesh that follow each other mostly lie together.
 const BLOCK: usize = 64;
 /// Most blocks of a scene.
-const MOST_BLOCKS: usize = 1 << 20;
-/// Part of the paths that begin anywhere on what brought anything, whatever its blocks brought.
-const ANYWHERE: f64 = 0.1;
+const MOST_BLOCKS: usize = 1 << 18;
+/// Part of the paths that begin anywhere on the fronts or backs of instances that brought something, and part of those
+/// that begin anywhere at all.
+const NEARBY: f64 = 0.1;
+const ANYWHERE: f64 = 0.01;
 
 /// An instance of a mesh that has smooth surfaces.
 #[derive(Debug)]
@@ -61,7 +64,13 @@ impl Casters {
         let is_smooth: Vec<bool> =
             scene.materials.iter().map(|m| m.lobes.is_some_and(|lobes| lobes.focuses())).collect();
         let areas: Vec<MeshAreas> = scene.meshes.par_iter().map(|mesh| MeshAreas::new(mesh, &is_smooth)).collect();
-        let mut placer = Placer { areas: &areas, casters: Vec::new(), blocks: Vec::new(), path: Vec::new() };
+        let mut placer = Placer {
+            areas: &areas,
+            casters: Vec::new(),
+            blocks: Vec::new(),
+            path: Vec::new(),
+            numberings: HashMap::new(),
+        };
         let numbering = placer.place(&scene.top, DAffine3::IDENTITY)?;
         let (casters, blocks) = (placer.casters, placer.blocks);
         let sides: Vec<f32> = blocks.iter().flat_map(|area| [*area; 2]).collect();
@@ -76,27 +85,29 @@ impl Casters {
         if all <= 0.0 || !all.is_finite() {
             return;
         }
-        // fronts or backs of an instance of which nothing was seen are left to paths from the camera
-        let mut anywhere = Vec::with_capacity(sums.len());
-        for (i, caster) in self.casters.iter().enumerate() {
-            let end = self.casters.get(i + 1).map_or(sums.len() / 2, |next| next.first_block);
-            let of_caster = &sums[2 * caster.first_block..2 * end];
+        let (mut anywhere, mut nearby) = (Vec::with_capacity(sums.len()), Vec::with_capacity(sums.len()));
+        for caster in &self.casters {
+            let blocks = &self.areas[caster.mesh as usize].blocks;
+            let of_caster = &sums[2 * caster.first_block..2 * (caster.first_block + blocks.len())];
             let brings = [0, 1].map(|side| of_caster.iter().skip(side).step_by(2).any(|sum| *sum > 0.0));
-            let blocks = self.areas[caster.mesh as usize].blocks.iter().map(|area| f64::from(area * caster.scale()));
-            anywhere.extend(blocks.flat_map(|area| brings.map(|brings| if brings { area } else { 0.0 })));
+            for area in blocks.iter().map(|area| f64::from(area * caster.scale())) {
+                anywhere.extend([area; 2]);
+                nearby.extend(brings.map(|brings| if brings { area } else { 0.0 }));
+            }
         }
-        let area: f64 = anywhere.iter().sum();
-        let weight = |(sum, anywhere): (&f64, &f64)| ((1.0 - ANYWHERE) * sum / all + ANYWHERE * anywhere / area) as f32;
-        let weights: Vec<f32> = sums.iter().zip(&anywhere).map(weight).collect();
+        let parts = [(1.0 - NEARBY - ANYWHERE, sums), (NEARBY, nearby), (ANYWHERE, anywhere)];
+        let scales = parts.each_ref().map(|(part, weights)| part / weights.iter().sum::<f64>());
+        let weight = |side| (0..parts.len()).map(|i| scales[i] * parts[i].1[side]).sum::<f64>() as f32;
+        let weights: Vec<f32> = (0..self.sides.bins()).map(weight).collect();
         self.sides = Distribution1D::new(&weights);
     }
 
     /// Takes a point.
-    pub fn sample(&self, u_side: f32, u: Vec2) -> Option<Start> {
-        let (side, _, rest) = self.sides.sample_discrete(u_side);
+    pub fn sample(&self, u_side: f32, u_triangle: f32, u: Vec2) -> Option<Start> {
+        let (side, ..) = self.sides.sample_discrete(u_side);
         let block = side / 2;
         let caster = &self.casters[self.casters.partition_point(|caster| caster.first_block <= block) - 1];
-        let triangle = self.areas[caster.mesh as usize].sample(block - caster.first_block, rest)?;
+        let triangle = self.areas[caster.mesh as usize].sample(block - caster.first_block, u_triangle)?;
         let barycentrics = warp::uniform_triangle(u).to_array();
         let hit = Hit { t: 0.0, barycentrics, mesh: caster.mesh, triangle, path: caster.path };
         Some(Start { hit, is_front: side % 2 == 0, side })
@@ -169,6 +180,8 @@ struct Placer<'a> {
     blocks: Vec<f32>,
     /// Leads to the group under way.
     path: Vec<u32>,
+    /// Of groups, by their address; `None` where they have no casters.
+    numberings: HashMap<usize, Option<Arc<Numbering>>>,
 }
 
 impl Placer<'_> {
@@ -181,7 +194,7 @@ impl Placer<'_> {
             let render_from_child = render_from_group * instance.parent_from_child;
             self.path.push(index);
             let inner = match &instance.child {
-                Child::Group(inner) => Some(Arc::new(self.place(inner, render_from_child)?)),
+                Child::Group(inner) => self.place_inner(inner, render_from_child)?,
                 Child::Mesh { mesh, .. } => {
                     self.add(*mesh, render_from_child)?;
                     None
@@ -192,12 +205,24 @@ impl Placer<'_> {
         }
         Some(numbering)
     }
+    /// The same for a group in a group; the inner `None` where there are none.
+    fn place_inner(&mut self, group: &Arc<InstanceBvh>, render_from_group: DAffine3) -> Option<Option<Arc<Numbering>>> {
+        let address = Arc::as_ptr(group) as usize;
+        if let Some(None) = self.numberings.get(&address) {
+            return Some(None);
+        }
+        let start = self.casters.len();
+        let made = self.place(group, render_from_group)?;
+        let made = || (self.casters.len() > start).then(|| Arc::new(made));
+        Some(self.numberings.entry(address).or_insert_with(made).clone())
+    }
     fn add(&mut self, mesh: u32, render_from_object: DAffine3) -> Option<()> {
         let areas = &self.areas[mesh as usize];
         if areas.triangles.is_empty() {
             return Some(());
         }
-        let path = InstancePath::from_slice(&self.path)?;
+        // the hierarchy leaves out what lies deeper
+        let Some(path) = InstancePath::from_slice(&self.path) else { return Some(()) };
         let caster = Caster { mesh, path, render_from_object, first_block: self.blocks.len() };
         self.blocks.extend(areas.blocks.iter().map(|area| area * caster.scale()));
         self.casters.push(caster);

@@ -116,15 +116,13 @@ impl Link {
         sample: &BsdfSample,
     ) -> (Ratio, Chain) {
         let pdf_back = match sample.lobe {
-            // the camera is not joined to a mirror
-            LobeKind::Delta if bounce == 0 => 0.0,
+            // the camera is not joined to a mirror, and what is lifted comes back another way
+            LobeKind::Delta if bounce == 0 || bsdf.lifts(wo) => 0.0,
             _ if bounce == 0 => 1.0,
             LobeKind::Delta => sample.pdf_solid_angle,
             LobeKind::Diffuse | LobeKind::Glossy => bsdf.pdf_solid_angle(sample.wi, wo),
         };
-        let half = if bounce == 0 { 1.0 } else { 0.5 };
-        let chain =
-            half * self.so_far * sample.wi.dot_normal(surface.at.normal).abs() * pdf_back / sample.pdf_solid_angle;
+        let chain = self.so_far * sample.wi.dot_normal(surface.at.normal).abs() * pdf_back / sample.pdf_solid_angle;
         (self.with(pdf_back), Chain(if chain.is_finite() { chain } else { 0.0 }))
     }
 }

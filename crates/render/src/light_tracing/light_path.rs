@@ -1,7 +1,7 @@
 //! One light path: from a light by smooth surfaces to any, and to the camera.
 //!
-//! What it carries is the integrand of a path from the camera over its own density, both in area measure: BSDFs with the
-//! cosines to shading normals on the light's side, as paths from the camera have them (Veach 1997, section 5.3).
+//! What it carries is the integrand of a path from the camera over its own density, both in area measure: BSDFs with
+//! the cosines to shading normals on the light's side, as paths from the camera have them (Veach 1997, section 5.3).
 
 use umber_bvh::Hit;
 use umber_math::{Point3, Ray, Rgb, Vector3};
@@ -13,6 +13,7 @@ use super::chain::Link;
 use crate::caustics::Guided;
 use crate::film::FilmDesc;
 use crate::integrator::path::{self, Vertex};
+use crate::integrator::{found, tile};
 use crate::scene::RenderScene;
 use crate::surface::{self, SurfaceInteraction};
 
@@ -50,6 +51,8 @@ pub(super) struct LightPath {
     arriving: Option<Rgb>,
     /// Whether it begins at a mirror, where a path from the camera cannot use a light sample.
     by_mirror: bool,
+    /// Whether a diffuse lobe took it on from there, which focuses nothing.
+    is_diffuse: bool,
     /// Density with which a path from the camera would find the light by a ray.
     pdf_of_rays: f32,
     /// The integrand over the density, without the light's visibility and what belongs to the next vertex.
@@ -79,6 +82,16 @@ pub(super) struct Met {
     pub bsdf: Bsdf,
 }
 
+/// What a film sees of a light path.
+struct Seen {
+    pixel: u32,
+    /// From the camera, to the surface.
+    ray: Ray,
+    radiance: Rgb,
+    /// *R* of [`super::chain`].
+    ratio: f32,
+}
+
 impl Met {
     pub fn point(&self) -> Point3 {
         self.surface.at.point
@@ -88,7 +101,7 @@ impl Met {
 impl LightPath {
     /// Begins where `u` says.
     pub fn begin(scene: &RenderScene, tracing: &LightTracing, u: f32, sampler: &mut Sampler) -> Option<Self> {
-        let start = tracing.casters.sample(u, sampler.next_2d())?;
+        let start = tracing.casters.sample(u, sampler.next_1d(), sampler.next_2d())?;
         let first = SurfaceInteraction::new(scene, &start.hit);
         let lit = Lit::new(scene, &first, start.is_front, sampler)?;
         let wi = lit.sample.wi;
@@ -98,6 +111,10 @@ impl LightPath {
         }
         let back = bsdf.sample(wi, sampler.next_1d(), sampler.next_2d())?;
         let by_mirror = back.lobe == LobeKind::Delta;
+        // there a path from the camera has rays alone: they have to find the light as it is sampled
+        if by_mirror && (bsdf.lifts(wi) || !lit.is_found_in_mirrors(scene)) {
+            return None;
+        }
         let pdf_area = tracing.casters.pdf_area(scene, &start.hit, start.is_front);
         let presence = if scene.partly_present { surface::presence(scene, &start.hit) } else { 1.0 };
         let out = cosine(&first, back.wi);
@@ -107,6 +124,7 @@ impl LightPath {
             side: start.side,
             arriving: None,
             by_mirror,
+            is_diffuse: back.lobe == LobeKind::Diffuse,
             pdf_of_rays: if by_mirror { back.pdf_solid_angle } else { bsdf.pdf_solid_angle(back.wi, wi) },
             throughput,
             ratio: tracing.paths_a_sample * pdf_area * back.pdf_solid_angle / out,
@@ -135,6 +153,9 @@ impl LightPath {
         let Met { surface, wi, bsdf, .. } = met;
         let back = bsdf.sample(*wi, sampler.next_1d(), sampler.next_2d())?;
         let (f, pdf_onwards) = if back.lobe == LobeKind::Delta {
+            if bsdf.lifts(*wi) {
+                return None;
+            }
             (back.f, back.pdf_solid_angle)
         } else {
             let value = bsdf.evaluate(back.wi, *wi);
@@ -158,6 +179,22 @@ impl LightPath {
         sampler: &mut Sampler,
         rays: &mut u64,
     ) -> Option<Splat> {
+        let Seen { pixel, ray, radiance, ratio } = self.seen(scene, film, met)?;
+        let radiance = radiance * self.weight(scene, ratio);
+        if radiance.is_black() || !radiance.is_finite() {
+            return None;
+        }
+        let radiance = tile::finite(radiance * self.arriving(scene, rays));
+        let end = (met.surface.at.spawn_ray(-ray.direction).origin - ray.origin).dot(ray.direction);
+        let to_surface = Ray { t_max: end * (1.0 - 4.0 * f32::EPSILON), ..ray };
+        let is_hidden = radiance.is_black()
+            || scene.light_on(&to_surface, None).is_some()
+            || scene.camera_hit(to_surface, rays, |_| sampler.next_1d()).is_some();
+        (!is_hidden).then_some(Splat { pixel, radiance })
+    }
+
+    /// The same where nothing is in between, before it is weighed.
+    fn seen(&self, scene: &RenderScene, film: &FilmDesc, met: &Met) -> Option<Seen> {
         let Met { hit, surface, wi, .. } = met;
         let (place, ray) = scene.camera.seen(surface.at.point)?;
         let is_inside = |place: f32, size: usize| place >= 0.0 && place < size as f32;
@@ -168,19 +205,12 @@ impl LightPath {
         let bsdf = surface.bsdf(wo);
         let (value, into) = (bsdf.evaluate(wo, *wi), cosine(surface, *wi));
         let density = scene.camera.pixels_over_area(ray.direction, ray.t_max) * cosine(surface, wo);
-        let unoccluded = self.throughput * value.f() * (bsdf.cos_theta(*wi) / into * density);
-        let radiance = unoccluded * self.weight(scene, self.ratio * into / (density * value.pdf_solid_angle));
-        if radiance.is_black() || !radiance.is_finite() {
-            return None;
-        }
-        let radiance = radiance * self.arriving(scene, rays);
-        let end = (surface.at.spawn_ray(wo).origin - ray.origin).dot(ray.direction);
-        let to_surface = Ray { t_max: end * (1.0 - 4.0 * f32::EPSILON), ..ray };
-        let is_hidden = radiance.is_black()
-            || scene.light_on(&to_surface, None).is_some()
-            || scene.camera_hit(to_surface, rays, |_| sampler.next_1d()).is_some();
-        let pixel = place.y as u32 * film.width as u32 + place.x as u32;
-        (!is_hidden).then_some(Splat { pixel, radiance })
+        Some(Seen {
+            pixel: place.y as u32 * film.width as u32 + place.x as u32,
+            ray,
+            radiance: self.throughput * value.f() * (bsdf.cos_theta(*wi) / into * density),
+            ratio: self.ratio * into / (density * value.pdf_solid_angle),
+        })
     }
 
     /// Its part of the three ways that make the path, by the power heuristic. `ratio`: *R*.
@@ -208,13 +238,14 @@ impl LightPath {
         rays: &mut u64,
     ) -> Option<Landing> {
         let Met { surface, wi: wo, bsdf, .. } = *met;
-        if !bsdf.scatters() {
+        if !bsdf.scatters() || self.is_diffuse {
             return None;
         }
         let flux = (self.throughput * self.arriving(scene, rays)).luminance();
         let (point, guided) = (surface.at.point, Guided::new(bsdf, surface.at.point, None));
         let vertex = Vertex { surface, guided, wo, bounce: LANDING_VERTEX, link: Link::default() };
-        let direct = path::direct(scene, &vertex, sampler, rays).luminance();
+        // the path goes on with the numbers that follow
+        let direct = path::direct(scene, &vertex, &mut { *sampler }, rays).luminance();
         let (weight, reflected) = (flux * self.luminance, bsdf.albedo(wo).luminance() * self.luminance);
         let is_usable = weight.is_finite() && weight > 0.0;
         is_usable.then_some(Landing { point, origin: self.origin, weight, reflected, direct })
@@ -230,6 +261,10 @@ impl Lit {
         let sample = scene.lights.lights()[light as usize].sample_for(&receiver, sampler.next_2d())?;
         let pdf = pmf * sample.pdf_solid_angle;
         (sample.wi.dot_normal(normal) > 0.0).then_some(Self { sample, light, pdf })
+    }
+    /// Whether rays from mirrors find the light, with the radiance and the shadows of its samples.
+    fn is_found_in_mirrors(&self, scene: &RenderScene) -> bool {
+        found::is_found_in_mirrors(scene, self.light) && !self.sample.is_delta
     }
     /// The BSDF's value for it and a direction away from it, as the light scales lobes.
     fn reflected(&self, scene: &RenderScene, bsdf: &Bsdf, back: &BsdfSample) -> Rgb {
@@ -254,3 +289,6 @@ impl Lit {
 fn cosine(surface: &SurfaceInteraction, direction: Vector3) -> f32 {
     direction.dot_normal(surface.at.normal).abs()
 }
+
+#[cfg(test)]
+mod tests;

@@ -36,8 +36,8 @@ pub(super) struct Picture {
     done: u32,
     /// Samples of each pixel, once the pilot has decided about them.
     plan: Option<Plan>,
-    /// Whether it is decided how the samples to come are taken.
-    is_prepared: bool,
+    /// Samples that every pixel had when it was decided how those to come are taken.
+    prepared_at: Option<u32>,
     seconds: f64,
     rays: AtomicU64,
     samples: AtomicU64,
@@ -56,8 +56,8 @@ impl Picture {
     pub fn new(epoch: u64, scene: RenderScene, film: Arc<Film>) -> Self {
         let order = film.tile_order();
         let (rays, samples) = (AtomicU64::new(0), AtomicU64::new(0));
-        let is_prepared = false;
-        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, is_prepared, seconds: 0.0, rays, samples }
+        let prepared_at = None;
+        Self { epoch, scene, film, order, coarse: 0, done: 0, plan: None, prepared_at, seconds: 0.0, rays, samples }
     }
     /// The restart that it belongs to.
     pub fn epoch(&self) -> u64 {
@@ -68,7 +68,7 @@ impl Picture {
     pub fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         while self.film.tile_count() > 0 {
             let Some((samples, stride)) = self.next_pass() else { break };
-            if !self.is_prepared && self.done >= self.samples_before() {
+            if self.prepared_at.is_none() && self.done >= self.samples_before() {
                 self.prepare(shared, pool);
             }
             self.trace_light(shared, pool, samples);
@@ -96,9 +96,9 @@ impl Picture {
         true
     }
 
-    /// Decides how the samples to come are taken: how they find caustics, how many pixels share their paths, and whether
-    /// paths are split, each of the last two judged with caustics as they are found and without the other. All is left as it
-    /// was where it was stopped.
+    /// Decides how the samples to come are taken: how they find caustics, how many pixels share their paths, and
+    /// whether paths are split, each of the last two judged with caustics as they are found and without the other. All
+    /// is left as it was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
@@ -121,7 +121,7 @@ impl Picture {
             (scene.caustics, scene.light_tracing) = (None, None);
             (scene.path_group, scene.splitting) = (1, Splitting::NONE);
         } else {
-            self.is_prepared = true;
+            self.prepared_at = Some(self.done);
             let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
             *self.rays.get_mut() += rays;
             shared.update_stats(|s| {
@@ -134,24 +134,29 @@ impl Picture {
 
     /// Adds the light paths that belong to so many samples a pixel.
     fn trace_light(&mut self, shared: &Shared, pool: &ThreadPool, samples: u32) {
-        let Some(tracing) = &self.scene.light_tracing else { return };
+        let (Some(tracing), Some(before)) = (&self.scene.light_tracing, self.prepared_at) else { return };
         let started = Instant::now();
         let (stop, film) = (self.stop(shared, started), self.film.desc());
         let size = [film.width, film.height];
-        let goals = [samples, self.samples_before()].map(|samples| self.goal(samples, 1).totals(size));
-        let before = self.goal(self.samples_before(), 1).counts(0, 0);
+        let [all, without] = [samples, before].map(|samples| self.goal(samples, 1));
+        let (totals, before) = ([all.totals(size), without.totals(size)], without.counts(0, 0));
         for half in 0..2 {
-            let pixels = film.width * film.height;
-            let first = self.film.light()[half].paths();
-            let until = tracing.paths(goals[0][half].saturating_sub(goals[1][half]));
-            let mut rays = 0;
-            let splats = pool.install(|| tracing.trace(&self.scene, film, first..until, half, &stop, &mut rays));
-            if stop.now() {
-                break;
+            let until = tracing.paths(totals[0][half].saturating_sub(totals[1][half]));
+            loop {
+                let first = self.film.light()[half].paths();
+                let numbers = first..until.min(LightTracing::end_of_chunk(first));
+                if numbers.is_empty() {
+                    break;
+                }
+                let trace = || tracing.trace(&self.scene, film, numbers.clone(), half, &stop);
+                let (splats, rays) = pool.install(trace);
+                if stop.now() {
+                    break;
+                }
+                self.film.light()[half].add(numbers.end, &splats, size[0] * size[1], before[half]);
+                self.rays.fetch_add(rays, Ordering::Relaxed);
+                shared.update_stats(|s| s.light_paths += numbers.len() as u64);
             }
-            self.film.light()[half].add(until, &splats, pixels, before[half]);
-            *self.rays.get_mut() += rays;
-            shared.update_stats(|s| s.light_paths += u64::from(until - first));
         }
         self.seconds += started.elapsed().as_secs_f64();
     }

@@ -185,7 +185,8 @@ impl Bsdf {
             Kind::Layered(layers) => layers.lobe_count() > 1,
         }
     }
-    /// Chooses a lobe by `u_lobe` and a direction by `u`; `None` where the path ends (the direction falls below the surface).
+    /// Chooses a lobe by `u_lobe` and a direction by `u`; `None` where the path ends (the direction falls below the
+    /// surface).
     #[inline]
     pub fn sample(&self, wo: Vector3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let (side, local) = match &self.lobes.0 {
@@ -257,6 +258,12 @@ impl Bsdf {
     fn side(&self, wo: Vector3) -> Option<f32> {
         let cos_g = wo.dot_normal(self.ng);
         (cos_g.abs() > 0.0).then_some(1f32.copysign(cos_g))
+    }
+    /// Whether a direction lies below the shading normal's horizon, on its side of the surface, and is lifted as a
+    /// viewer's.
+    #[inline]
+    pub fn lifts(&self, wo: Vector3) -> bool {
+        self.side(wo).is_none_or(|side| wo.dot_normal(self.frame.normal) * side < LEAST_COS_O)
     }
     /// On which side of the surface the viewer is (±1; local vectors are mirrored through the origin for the back),
     /// and its local direction. `None` for a viewer in the surface's plane, or NaN.
