@@ -167,7 +167,7 @@ impl<'a> Walk<'a> {
         }
         let survival = self.survival(*bounce, sampler)?;
         let (diffuse_share, links) = (share(sample.f_diffuse, sample.f), surface.links);
-        let (ratio, chain) = link.onwards(surface, &guided.bsdf, *wo, *bounce, &sample);
+        let (ratio, chain) = link.onwards(vertex, &sample);
         self.chain = chain;
         self.origin = match sample.lobe {
             LobeKind::Delta if ratio.0 > 0.0 => Origin::Traced {
@@ -267,7 +267,7 @@ impl Arriving {
 pub(crate) fn direct(scene: &RenderScene, vertex: &Vertex<'_>, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
     let arriving = arriving(scene, vertex, sampler, rays);
     arriving.map_or(Rgb::BLACK, |light| {
-        let ratio = vertex.link.ratio(&vertex.guided.bsdf, vertex.wo, light.wi);
+        let ratio = vertex.link.ratio(vertex, light.wi);
         // of what both ways that sample lights have beside rays
         let mis_weight = light.mis_weight_light(light.pdf_of_bsdf / ratio.of_both()) * ratio.share_of_path();
         light.radiance * light.reflectance * mis_weight

@@ -18,6 +18,7 @@ use umber_math::Vector3;
 use umber_shading::{Bsdf, BsdfSample, LobeKind};
 
 use super::REFLECTIONS;
+use crate::integrator::path::Vertex;
 use crate::scene::RenderScene;
 use crate::surface::SurfaceInteraction;
 
@@ -79,48 +80,36 @@ impl Chain {
 }
 
 impl Link {
-    /// For light from a direction that is no mirrored one.
+    /// At a vertex, for light from a direction that is no mirrored one.
     #[inline]
-    pub fn ratio(&self, bsdf: &Bsdf, wo: Vector3, wi: Vector3) -> Ratio {
+    pub fn ratio(&self, vertex: &Vertex<'_>, wi: Vector3) -> Ratio {
         if self.pdf_area == 0.0 {
             return Ratio(0.0);
         }
-        self.with(bsdf.pdf_solid_angle(wi, wo))
+        self.with(vertex.guided.bsdf.pdf_solid_angle(wi, vertex.wo))
     }
     fn with(&self, pdf_back: f32) -> Ratio {
         let ratio = self.so_far * self.pdf_area * pdf_back;
         Ratio(if ratio.is_finite() { ratio } else { 0.0 })
     }
-    /// Where a path goes on by a sample of the BSDF: of what light comes straight from there, and of the rest.
+    /// Where a path goes on from a vertex by a sample of the BSDF: of what light comes straight from there, and of the
+    /// rest.
     #[inline(always)]
-    pub fn onwards(
-        &self,
-        surface: &SurfaceInteraction,
-        bsdf: &Bsdf,
-        wo: Vector3,
-        bounce: u32,
-        sample: &BsdfSample,
-    ) -> (Ratio, Chain) {
-        if self.so_far == 0.0 {
-            return (Ratio(0.0), Chain(0.0));
-        }
-        self.continued(surface, bsdf, wo, bounce, sample)
+    pub fn onwards(&self, vertex: &Vertex<'_>, sample: &BsdfSample) -> (Ratio, Chain) {
+        if self.so_far == 0.0 { (Ratio(0.0), Chain(0.0)) } else { self.continued(vertex, sample) }
     }
     #[inline(never)]
     fn continued(
         &self,
-        surface: &SurfaceInteraction,
-        bsdf: &Bsdf,
-        wo: Vector3,
-        bounce: u32,
+        Vertex { surface, guided, wo, bounce, .. }: &Vertex<'_>,
         sample: &BsdfSample,
     ) -> (Ratio, Chain) {
         let pdf_back = match sample.lobe {
             // the camera is not joined to a mirror, and what is lifted comes back another way
-            LobeKind::Delta if bounce == 0 || bsdf.lifts(wo) => 0.0,
-            _ if bounce == 0 => 1.0,
+            LobeKind::Delta if *bounce == 0 || guided.bsdf.lifts(*wo) => 0.0,
+            _ if *bounce == 0 => 1.0,
             LobeKind::Delta => sample.pdf_solid_angle,
-            LobeKind::Diffuse | LobeKind::Glossy => bsdf.pdf_solid_angle(sample.wi, wo),
+            LobeKind::Diffuse | LobeKind::Glossy => guided.bsdf.pdf_solid_angle(sample.wi, *wo),
         };
         let chain = self.so_far * sample.wi.dot_normal(surface.at.normal).abs() * pdf_back / sample.pdf_solid_angle;
         (self.with(pdf_back), Chain(if chain.is_finite() { chain } else { 0.0 }))

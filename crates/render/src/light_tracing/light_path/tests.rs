@@ -85,8 +85,10 @@ fn from_camera(scene: &RenderScene, ray: Ray, surfaces: &[(Hit, SurfaceInteracti
         let bsdf = surface.bsdf(wo);
         let hit = Hit { t: ray.t_max, ..*hit };
         let link = chain.link(scene, &hit, surface, &bsdf, wo, bounce);
+        let guided = Guided::new(bsdf, surface.at.point, None);
+        let vertex = Vertex { surface: *surface, guided, wo, bounce, link };
         let Some((_, next)) = surfaces.get(bounce as usize + 1) else {
-            return link.ratio(&bsdf, wo, wi).0;
+            return link.ratio(&vertex, wi).0;
         };
         let onwards = (next.at.point - surface.at.point).normalized();
         let value = bsdf.evaluate(wo, onwards);
@@ -98,7 +100,7 @@ fn from_camera(scene: &RenderScene, ray: Ray, surfaces: &[(Hit, SurfaceInteracti
             pdf_solid_angle: value.pdf_solid_angle,
             lobe: LobeKind::Glossy,
         };
-        (_, chain) = link.onwards(surface, &bsdf, wo, bounce, &sample);
+        (_, chain) = link.onwards(&vertex, &sample);
         wo = -onwards;
     }
     0.0
