@@ -108,7 +108,8 @@ impl RenderCamera {
         keeps_angles(&glam::Mat3::from(self.render_from_camera.forward().matrix3).as_dmat3())
     }
 
-    /// Pixels to a unit of area that lies across a ray, unit direction, at a distance; where [angles are kept](Self::keeps_angles).
+    /// Pixels to a unit of area that lies across a ray, unit direction, at a distance; where
+    /// [angles are kept](Self::keeps_angles).
     pub fn pixels_over_area(&self, direction: Vector3, distance: f32) -> f32 {
         let m = &self.render_from_camera.forward().matrix3;
         let along = self.render_from_camera.inverse_vector(direction);

@@ -1,12 +1,11 @@
-//! Light tracing: caustics by paths that begin on smooth surfaces, and are seen where they meet rough ones.
+//! Light tracing: caustics by paths that begin on smooth surfaces in the light, and are seen where they arrive.
 //!
-//! A path from the camera that leaves a rough surface seldom finds the small bright reflection of a light in a smooth
-//! one. From the other end it is found easily: a path from the smooth surface to the rough one is joined to the camera
-//! by a ray (Dutré, Lafortune & Willems 1993, "Monte Carlo light tracing with direct computation of pixel
-//! intensities"). It begins on the smooth surface ([`casters`]) and not on a light: there lights are sampled as from
-//! any surface, so that all kinds of them take part, and links hold. Both ends make the same paths, *rough surface,
-//! smooth ones, light*, and are weighed by multiple importance sampling ([`chain`]; Veach 1997, chapter 9), so that
-//! neither has to be good everywhere.
+//! A path from the camera seldom finds the small bright reflection of a light in a smooth surface. From the other end it
+//! is found easily: what a path from the smooth surface meets is joined to the camera by a ray (Dutré, Lafortune &
+//! Willems 1993, "Monte Carlo light tracing with direct computation of pixel intensities"). It begins on the smooth
+//! surface ([`casters`]) and not on a light: there lights are sampled as from any surface, so that all kinds of them
+//! take part, and links hold. Both ends make the same paths, *what is seen, smooth surfaces, light*, and are weighed by
+//! multiple importance sampling ([`chain`]; Veach 1997, chapter 9), so that neither has to be good everywhere.
 
 mod casters;
 pub(crate) mod chain;
@@ -42,7 +41,7 @@ const REFLECTIONS: u32 = 4;
 /// Light paths that one thread follows at a time, sorted by where they begin: what one brought into the caches serves
 /// the next.
 const BATCH: usize = 1024;
-/// And so many until what they bring is added.
+/// Light paths that are followed before what they bring is added to the picture.
 const CHUNK: u32 = 1 << 20;
 /// Distinguishes random numbers from those of the picture: of light paths for either half of it, and of searches.
 const STREAMS: [u64; 2] = [3 << 32, 4 << 32];
@@ -80,13 +79,10 @@ impl LightTracing {
     ) -> Option<(Self, Vec<Landing>)> {
         let pixels = (film.width * film.height) as u64;
         let samples = pixels * u64::from(samples);
-        if samples < FEWEST_SAMPLES {
+        if samples < FEWEST_SAMPLES || !scene.camera.keeps_angles() {
             return None;
         }
         let paths_a_sample = pixels as f32 / SAMPLES_A_PATH as f32;
-        if !scene.camera.keeps_angles() {
-            return None;
-        }
         let mut tracing = Self { casters: Casters::new(scene)?, paths_a_sample, beside_shared_paths: false };
         let mut landings = Vec::new();
         for round in 0..SAMPLES_A_SEARCH.len() {

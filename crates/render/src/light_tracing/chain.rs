@@ -1,8 +1,8 @@
 //! How densely light paths are made, beside those from the camera: what multiple importance sampling needs.
 //!
-//! A path *x₁* (rough, seen by the camera), *x₂ … xₖ* (smooth), *y* (on a light) is made in three ways: from the camera
-//! with *y* by a light sample at *xₖ*, or by a ray of its BSDF; and from *xₖ* on, with *y* by a light sample. In area
-//! measure, the last way's density over the first one's, samples counted, is
+//! A path *x₁* (seen by the camera, not in a mirror there), *x₂ … xₖ* (smooth), *y* (on a light) is made in three ways:
+//! from the camera with *y* by a light sample at *xₖ*, or by a ray of its BSDF; and from *xₖ* on, with *y* by a light
+//! sample. In area measure, the last way's density over the first one's, samples counted, is
 //!
 //! ```text
 //! R = ρ p(xₖ) / q(x₁) · Π p(xⱼ → xⱼ₋₁) / Π p(xⱼ → xⱼ₊₁) · Π cos(xⱼ → xⱼ₊₁) / Π cos(xⱼ → xⱼ₋₁)
