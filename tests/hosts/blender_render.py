@@ -1,7 +1,7 @@
 """Renders a stage in Blender: imported as Blender imports USD, rendered by its Hydra engine with Umber behind it.
 
-What comes out is Blender's reading of the stage (its materials, its light units), so its picture is not compared
-with the others pixel by pixel.
+The add-on is loaded from its sources (plugInfo/blender/umber), as Blender loads it where it is installed. Geometry and
+materials are Blender's reading of the stage; light is the stage's, by the add-on's hooks.
 
 Runs in the Python that has Blender as the module `bpy`; UMBER_PLUGIN_PATH names the delegate's plugin folder.
 """
@@ -10,34 +10,14 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 
+ADD_ONS = Path(__file__).resolve().parents[2] / "plugInfo/blender"
 DONE, COULD_NOT_RENDER, BAD_ARGUMENTS = 0, 1, 2
-
-
-class UmberEngine(bpy.types.HydraRenderEngine):
-    """Umber among Blender's render engines."""
-
-    bl_idname = "UMBER"
-    bl_label = "Umber"
-    bl_use_preview = True
-    bl_use_gpu_context = False
-    bl_delegate_id = "HdUmberRendererPlugin"
-
-    settings: dict[str, object] = {}  # noqa: RUF012 (Blender makes the instances)
-
-    def get_render_settings(self, engine_type: str) -> dict[str, object]:
-        """Settings for the delegate, and which AOV fills which of Blender's passes."""
-        return {**self.settings, "aovToken:Combined": "color", "aovToken:Depth": "depth"}
-
-    def update_render_passes(self, scene: bpy.types.Scene, render_layer: bpy.types.ViewLayer) -> None:
-        """Tells Blender which passes there are."""
-        self.register_pass(scene, render_layer, "Combined", 4, "RGBA", "COLOR")
-        self.register_pass(scene, render_layer, "Depth", 1, "Z", "VALUE")
 
 
 def main() -> int:
@@ -46,12 +26,12 @@ def main() -> int:
     if others:
         print(f"blender_render: of no meaning to Blender, ignored: {' '.join(others)}", file=sys.stderr)
     try:
-        UmberEngine.settings = dict(parse_setting(text) for text in arguments.set)
+        settings = dict(parse_setting(text) for text in arguments.set)
     except ValueError as error:
         print(f"blender_render: {error}", file=sys.stderr)
         return BAD_ARGUMENTS
     try:
-        register(os.environ["UMBER_PLUGIN_PATH"])
+        add_on().engine.UmberEngine.overrides = settings
         import_stage(arguments.stage)
         set_up(arguments)
         if arguments.camera_light:
@@ -96,13 +76,13 @@ def parse_setting(text: str) -> tuple[str, object]:
     return key, value
 
 
-def register(plugins: str) -> None:
-    """Makes Umber known to Blender and to its OpenUSD."""
-    bpy.utils.expose_bundled_modules()
-    from pxr import Plug  # noqa: PLC0415 (only there once exposed)
+def add_on() -> ModuleType:
+    """Umber's add-on, registered. Raises RuntimeError where it finds no renderer."""
+    sys.path.insert(0, str(ADD_ONS))
+    import umber  # noqa: PLC0415 (only there now)
 
-    Plug.Registry().RegisterPlugins([plugins])
-    bpy.utils.register_class(UmberEngine)
+    umber.register()
+    return umber
 
 
 def import_stage(path: str) -> None:
@@ -114,9 +94,13 @@ def import_stage(path: str) -> None:
 
 
 def set_up(arguments: argparse.Namespace) -> None:
-    """Engine, camera, size, and the file: linear, single precision where it is an EXR, else as displayed."""
+    """Engine, camera, size, and the file: linear, single precision where it is an EXR, else as displayed.
+
+    The camera does not see dome lights, as in usdrecord.
+    """
     scene = bpy.context.scene
-    scene.render.engine = UmberEngine.bl_idname
+    scene.render.engine = "UMBER"
+    scene.hydra.export_method = "USD"
     scene.camera = find_camera(scene, arguments.camera)
     if arguments.frame is not None:
         scene.frame_set(arguments.frame)
@@ -124,8 +108,13 @@ def set_up(arguments: argparse.Namespace) -> None:
     lens = scene.camera.data
     aspect = lens.sensor_width / lens.sensor_height if lens.sensor_height > 0 else 1.0
     render.resolution_x = max(arguments.imageWidth, 1)
-    render.resolution_y = arguments.imageHeight or max(round(render.resolution_x / aspect), 1)
+    # rounded down as in usdrecord, but for what single precision leaves of a whole row
+    render.resolution_y = arguments.imageHeight or max(int(render.resolution_x / aspect + 1e-3), 1)
+    if not arguments.imageHeight and lens.type == "PERSP" and render.resolution_x > aspect * render.resolution_y:
+        # what the rounding adds at the sides is in the picture, as in usdrecord
+        lens.sensor_fit = "VERTICAL"
     render.resolution_percentage = 100
+    render.film_transparent = True
     render.filepath = str(Path(arguments.output).resolve())
     render.use_file_extension = False
     image = render.image_settings

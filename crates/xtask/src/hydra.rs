@@ -5,6 +5,9 @@
 //!     plugInfo.json                   "look into every */resources/"
 //!     hdUmber/hdUmber.so
 //!     hdUmber/resources/plugInfo.json
+//! target/hydra/blender/umber/         an add-on for Blender
+//!     __init__.py ...
+//!     plugin/                         as target/hydra/plugin/usd
 //! ```
 
 use std::{
@@ -30,7 +33,9 @@ pub fn run() -> Result<ExitCode> {
         eprintln!("{}", usd::MISSING);
         return Ok(ExitCode::FAILURE);
     };
-    println!("PXR_PLUGINPATH_NAME={}", build(&usd)?.display());
+    let plugins = build(&usd)?;
+    println!("PXR_PLUGINPATH_NAME={}", plugins.display());
+    println!("add-on for Blender: {}", lay_out_add_on(&plugins)?.display());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -131,6 +136,34 @@ fn lay_out(library: &Path) -> Result<PathBuf> {
     Ok(plugins)
 }
 
+/// Puts the add-on for Blender in place, with the plugin inside.
+fn lay_out_add_on(plugins: &Path) -> Result<PathBuf> {
+    let add_on = workspace::target().join("hydra/blender/umber");
+    if add_on.exists() {
+        fs::remove_dir_all(&add_on).with_context(|| add_on.display().to_string())?;
+    }
+    copy_folder(&workspace::root().join("plugInfo/blender/umber"), &add_on)?;
+    copy_folder(plugins, &add_on.join("plugin"))?;
+    Ok(add_on)
+}
+
+/// Copies a folder with all that is in it, but for what Python compiled.
+fn copy_folder(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to).with_context(|| to.display().to_string())?;
+    for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
+        let (from, to) = entry.map(|entry| (entry.path(), to.join(entry.file_name())))?;
+        if from.ends_with("__pycache__") {
+            continue;
+        }
+        if from.is_dir() {
+            copy_folder(&from, &to)?;
+        } else {
+            fs::copy(&from, &to).with_context(|| from.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
 /// Writes a file in one step, so that nobody reads half of it; leaves it where it is the same.
 fn replace(file: &Path, content: &[u8]) -> Result<()> {
     if fs::read(file).is_ok_and(|old| old == content) {
@@ -143,7 +176,22 @@ fn replace(file: &Path, content: &[u8]) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::built_library;
+    use std::{env, fs, process};
+
+    use super::{built_library, copy_folder};
+
+    #[test]
+    fn folders_are_copied_without_what_python_compiled() {
+        let folder = env::temp_dir().join(format!("umber-copy-{}", process::id()));
+        let [from, to] = ["from", "to"].map(|name| folder.join(name));
+        fs::create_dir_all(from.join("inner/__pycache__")).unwrap();
+        fs::write(from.join("inner/a.py"), "a").unwrap();
+        fs::write(from.join("inner/__pycache__/a.pyc"), "b").unwrap();
+        copy_folder(&from, &to).unwrap();
+        assert_eq!(fs::read_to_string(to.join("inner/a.py")).unwrap(), "a");
+        assert!(!to.join("inner/__pycache__").exists());
+        fs::remove_dir_all(folder).unwrap();
+    }
 
     #[test]
     fn shared_library_is_found_in_messages() {
