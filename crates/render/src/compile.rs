@@ -188,6 +188,7 @@ impl Compiler {
             light_tracing: None,
             path_group: 1,
             splitting: Splitting::NONE,
+            edges: None,
         }
     }
 

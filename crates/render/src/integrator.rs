@@ -3,6 +3,7 @@
 mod center;
 pub mod dimensions;
 mod direct;
+pub(crate) mod edges;
 pub(crate) mod found;
 mod mirror;
 pub mod path;

@@ -12,6 +12,7 @@ use umber_shading::Bsdf;
 use crate::camera::RenderCamera;
 use crate::caustics::{CausticMap, Guided};
 use crate::compile::InstanceNumber;
+use crate::integrator::edges::EdgeMap;
 use crate::integrator::splitting::Splitting;
 use crate::light_set::LightSet;
 use crate::light_tracing::LightTracing;
@@ -51,6 +52,8 @@ pub struct RenderScene {
     pub path_group: usize,
     /// Which samples of a pixel begin with the same ray.
     pub(crate) splitting: Splitting,
+    /// Which pixels need more rays from the camera, where that was looked for and any was found.
+    pub(crate) edges: Option<EdgeMap>,
 }
 
 /// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.

@@ -24,6 +24,8 @@ pub struct Stats {
     pub rays: u64,
     /// Paths from smooth surfaces in the light; 0: none are followed.
     pub light_paths: u64,
+    /// Pixels whose samples take more rays from the camera, as the rim of something bright runs through them.
+    pub edge_pixels: u64,
     /// Pixels of a group that shares paths; 1: none are shared.
     pub path_group: u32,
     /// Samples of a pixel that begin with the same ray from the camera; 1: each has its own.
@@ -64,6 +66,7 @@ impl Stats {
             ("compileSeconds", Value::Float(self.compile_seconds)),
             ("rays", int(self.rays)),
             ("lightPaths", int(self.light_paths)),
+            ("edgePixels", int(self.edge_pixels)),
             ("pathGroup", int(self.path_group.into())),
             ("samplesPerCameraRay", int(self.samples_a_ray.into())),
             ("threads", int(self.threads.into())),

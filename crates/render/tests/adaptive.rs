@@ -63,6 +63,8 @@ fn the_same_adaptive_picture_whatever_the_threads_and_the_stops() {
             session.edit(number("convergedVariance", 0.02)).unwrap();
             session.edit(setting("enableInteractive", interactive)).unwrap();
             session.edit(setting("umber:timeLimit", limit)).unwrap();
+            // who watches, or has little time, has the first samples before edges are looked for
+            session.edit(setting("umber:edgeRays", interactive)).unwrap();
             while interrupt && !session.is_converged() {
                 session.start();
                 std::thread::sleep(Duration::from_micros(500));

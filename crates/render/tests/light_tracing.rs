@@ -3,7 +3,6 @@
 mod common;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use common::*;
 use umber_math::{DAffine3, DVec3, Rgb};
@@ -70,24 +69,7 @@ fn light_is_traced_where_there_are_caustics() {
 
 #[test]
 fn threads_and_stops_change_nothing() {
-    for (interactive, target) in [(0, -1.0), (1, -1.0), (0, 1e-4)] {
-        let picture = |threads, stops: u32| {
-            let session = scene();
-            session.edit(setting("umber:threads", threads)).unwrap();
-            session.edit(setting("enableInteractive", interactive)).unwrap();
-            session.edit(number("convergedVariance", target)).unwrap();
-            for _ in 0..stops {
-                session.start();
-                std::thread::sleep(Duration::from_millis(19));
-                session.stop();
-            }
-            assert!(light_paths(&session) > 0);
-            color(&session)
-        };
-        let whole = picture(1, 0);
-        assert!(whole == picture(3, 0), "interactive {interactive}, target {target}: threads");
-        assert!(whole == picture(2, 9), "interactive {interactive}, target {target}: stops");
-    }
+    assert_same_for_threads_and_stops(SIZE * SIZE, scene, |session| assert!(light_paths(session) > 0));
 }
 
 /// The red of a film of an edge, summed up to one of [`SIZE`].

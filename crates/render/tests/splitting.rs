@@ -89,24 +89,7 @@ fn paths_are_not_split_where_that_is_switched_off_or_brings_nothing() {
 
 #[test]
 fn threads_and_stops_change_nothing() {
-    for (interactive, target) in [(0, -1.0), (1, -1.0), (0, 1e-4)] {
-        let picture = |threads, stops: u32| {
-            let session = room(SAMPLES);
-            session.edit(setting("umber:threads", threads)).unwrap();
-            session.edit(setting("enableInteractive", interactive)).unwrap();
-            session.edit(number("convergedVariance", target)).unwrap();
-            for _ in 0..stops {
-                session.start();
-                std::thread::sleep(std::time::Duration::from_millis(23));
-                session.stop();
-            }
-            assert_eq!(share_of(&session), 4);
-            color_of(&session, EDGE * EDGE)
-        };
-        let whole = picture(1, 0);
-        assert!(whole == picture(3, 0), "interactive {interactive}, target {target}: threads");
-        assert!(whole == picture(2, 9), "interactive {interactive}, target {target}: stops");
-    }
+    assert_same_for_threads_and_stops(EDGE * EDGE, || room(SAMPLES), |session| assert_eq!(share_of(session), 4));
 }
 
 #[test]

@@ -72,6 +72,8 @@ settings! {
         "Path Reuse", "Whether neighbouring pixels share what their paths find, without bias, where a trial at the start shows that it pays.";
     path_splitting: bool = true, "umber:pathSplitting", None,
         "Path Splitting", "Whether several samples of a pixel begin with the same ray from the camera, without bias, where a trial at the start shows that it pays.";
+    edge_rays: bool = true, "umber:edgeRays", None,
+        "Edge Rays", "Whether samples take more rays from the camera, without bias, in pixels that the rim of something bright runs through.";
     light_tracing: bool = true, "umber:lightTracing", None,
         "Light Tracing", "Whether caustics are made by paths from smooth surfaces in the light, too, and paths from the camera are led to them, without bias, where a search at the start finds any.";
     firefly_clamp: f32 = 0.0, "umber:fireflyClamp", Some((0.0, 1e30)),

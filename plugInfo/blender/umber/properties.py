@@ -107,6 +107,13 @@ ADVANCED = (
         "start shows that it pays",
     ),
     Setting(
+        "umber:edgeRays",
+        "edge_rays",
+        "Edge Rays",
+        True,
+        "Samples take more rays from the camera, without bias, in pixels that the rim of something bright runs through",
+    ),
+    Setting(
         "umber:lightTracing",
         "light_tracing",
         "Light Tracing",

@@ -305,6 +305,7 @@ fn copy(scene: &RenderScene) -> RenderScene {
         light_tracing: None,
         path_group: 1,
         splitting: Splitting::NONE,
+        edges: None,
     }
 }
 

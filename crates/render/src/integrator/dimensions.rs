@@ -5,6 +5,8 @@
 
 /// Film position within the pixel.
 pub const FILM: u32 = 0;
+/// From which of the surfaces that several rays met a path goes on.
+pub const RAY_CHOICE: u32 = 1;
 /// Sets of the camera; those of the path's vertices follow.
 const CAMERA_SETS: u32 = 4;
 /// Sets of one path vertex.
@@ -46,6 +48,6 @@ pub const fn presence(vertex: u32, pass: u32) -> u32 {
     PRESENCE_SETS + vertex * PRESENCE_SETS_PER_SEGMENT + pass
 }
 
-const _: () = assert!((Draw::Aim as u32) < VERTEX_SETS && FILM < CAMERA_SETS);
+const _: () = assert!((Draw::Aim as u32) < VERTEX_SETS && FILM < CAMERA_SETS && RAY_CHOICE < CAMERA_SETS);
 // as many bounces as the settings allow
 const _: () = assert!(vertex(1024, Draw::Aim) < PRESENCE_SETS);

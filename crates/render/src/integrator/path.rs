@@ -60,9 +60,11 @@ pub(super) struct Scattering {
 
 /// Traces a path on from what a ray from the camera met.
 pub fn radiance(primary: &Primary<'_>, sampler: &mut Sampler, rays: &mut u64) -> RadianceSample {
-    let mut walk = primary.walk;
-    let reflected = primary.first.as_ref().map_or(Rgb::BLACK, |vertex| walk.on_from(vertex, sampler, rays));
-    RadianceSample { radiance: primary.emitted + reflected, coverage: primary.coverage }
+    let reflected = primary.first.as_ref().map_or(Rgb::BLACK, |(walk, vertex)| {
+        let mut walk = *walk;
+        walk.on_from(vertex, sampler, rays)
+    });
+    primary.sample(reflected)
 }
 
 impl<'a> Walk<'a> {

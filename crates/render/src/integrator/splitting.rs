@@ -10,6 +10,8 @@
 
 mod gain;
 
+use std::ops::Range;
+
 use umber_settings::{Integrator, Settings};
 
 use super::tile::MANY_SAMPLES;
@@ -50,11 +52,12 @@ impl Splitting {
         let first = number.min(FIRST);
         first / early + (number - first) / late
     }
-    /// The first sample after `number` that begins with another ray.
-    pub fn end(self, number: u32) -> u32 {
+    /// The samples that begin as sample `number` does.
+    pub fn group(self, number: u32) -> Range<u32> {
         let Self([early, late]) = self;
         let (before, share) = if number < FIRST { (0, early) } else { (FIRST, late) };
-        before + ((number - before) / share + 1) * share
+        let start = before + (number - before) / share * share;
+        start..start + share
     }
     /// As a trial takes it: from the first sample on.
     fn tried(self) -> Self {
@@ -75,9 +78,12 @@ mod tests {
         for splitting in [[1, 1], [1, 4], [2, 2], [2, 4]].map(Splitting) {
             assert_eq!(splitting.ray(0), 0);
             for number in 0..100 {
-                let (ray, end) = (splitting.ray(number), splitting.end(number));
-                assert!((number..end).all(|n| splitting.ray(n) == ray), "{splitting:?} {number}");
-                assert_eq!(splitting.ray(end), ray + 1, "{splitting:?} {number}");
+                let (ray, group) = (splitting.ray(number), splitting.group(number));
+                assert!(
+                    group.contains(&number) && group.clone().all(|n| splitting.ray(n) == ray),
+                    "{splitting:?} {number}"
+                );
+                assert_eq!(splitting.ray(group.end), ray + 1, "{splitting:?} {number}");
             }
         }
         assert_eq!([1, 2, 15, 16, 19, 20].map(|n| Splitting([2, 4]).ray(n)), [0, 1, 7, 8, 8, 9]);

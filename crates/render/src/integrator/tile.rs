@@ -127,8 +127,9 @@ impl<'a> Pass<'a> {
         let count = self.count(place);
         while samples.sums[i].samples < count {
             let begin = samples.sums[i].samples;
-            let primary = self.primary(place, begin, &mut work.rays);
-            for number in begin..self.scene.splitting.end(begin).min(count) {
+            let group = self.scene.splitting.group(begin);
+            let primary = self.primary(place, group.clone(), &mut work.rays);
+            for number in begin..group.end.min(count) {
                 if self.stop.cancelled() {
                     return false;
                 }
@@ -197,17 +198,18 @@ impl<'a> Pass<'a> {
                 return false;
             }
             if number >= end {
-                end = self.scene.splitting.end(number);
+                let samples = self.scene.splitting.group(number);
+                end = samples.end;
                 primaries.clear();
-                primaries.extend(group.iter().map(|place| self.primary(*place, number, &mut work.rays)));
+                primaries.extend(group.iter().map(|place| self.primary(*place, samples.clone(), &mut work.rays)));
             }
             paths.clear();
             paths.extend(members().map(|(member, &place): (usize, _)| {
                 reuse::trace(&primaries[member], &mut self.sampler(place, number))
             }));
             reuse::share(self.scene, paths);
-            for (path, (_, &place)) in paths.iter().zip(members()) {
-                let sample = RadianceSample { radiance: path.radiance, coverage: path.coverage };
+            for (path, (member, &place)) in paths.iter().zip(members()) {
+                let sample = primaries[member].sample(path.reflected);
                 self.add(samples, self.rect.index(place), sample, work);
                 work.rays += path.rays;
             }
@@ -237,11 +239,13 @@ impl<'a> Pass<'a> {
         self.ray(place, sampler.next_2d())
     }
 
-    /// What the ray meets with which sample number `number` of a pixel begins.
-    fn primary(&self, place: [usize; 2], number: u32, rays: &mut u64) -> Primary<'a> {
-        let mut sampler = self.sampler(place, self.scene.splitting.ray(number));
-        let ray = self.jittered_ray(place, &mut sampler);
-        Primary::new(self.scene, ray, &mut sampler, rays)
+    /// What the samples of a group, in which they share their rays from the camera, begin with in a pixel.
+    fn primary(&self, place: [usize; 2], group: Range<u32>, rays: &mut u64) -> Primary<'a> {
+        let scene = self.scene;
+        let edge_rays = scene.edges.as_ref().map_or(0, |edges| edges.rays(place));
+        let corner = Vec2::new(place[0] as f32, place[1] as f32);
+        let draw = |number| self.sampler(place, number);
+        Primary::of_group(scene, corner, (group, scene.splitting), edge_rays, draw, rays)
     }
 }
 

@@ -11,6 +11,7 @@ use super::control::Shared;
 use crate::adaptive::{self, Plan};
 use crate::caustics::{self, CausticMap};
 use crate::film::{COARSE, Film, FilmDesc};
+use crate::integrator::edges::{self, EdgeMap};
 use crate::integrator::splitting::{self, Splitting};
 use crate::integrator::{Goal, Stop, Target, TileWork, raster, render_tile, reuse};
 use crate::light_tracing::LightTracing;
@@ -96,7 +97,7 @@ impl Picture {
         true
     }
 
-    /// Decides how the samples to come are taken: how they find caustics, how many pixels share their paths, and
+    /// Decides how the samples to come are taken: where they take more rays from the camera, how they find caustics, how many pixels share their paths, and
     /// whether paths are split, each of the last two judged with caustics as they are found and without the other. All
     /// is left as it was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
@@ -105,6 +106,9 @@ impl Picture {
         let samples = self.scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
         let (scene, film) = (&mut self.scene, self.film.desc());
         let mut rays = 0;
+        if edges::are_looked_for(&scene.settings) {
+            scene.edges = pool.install(|| EdgeMap::find(scene, film, &stop, &mut rays));
+        }
         pool.install(|| find_caustics(scene, film, samples, &stop, &mut rays));
         if reuse::is_possible(&scene.settings, &scene.lights) {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
@@ -119,12 +123,13 @@ impl Picture {
         }
         if stop.now() {
             (scene.caustics, scene.light_tracing) = (None, None);
-            (scene.path_group, scene.splitting) = (1, Splitting::NONE);
+            (scene.path_group, scene.splitting, scene.edges) = (1, Splitting::NONE, None);
         } else {
             self.prepared_at = Some(self.done);
             let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
             *self.rays.get_mut() += rays;
             shared.update_stats(|s| {
+                s.edge_pixels = scene.edges.as_ref().map_or(0, EdgeMap::pixels);
                 s.path_group = scene.path_group as u32;
                 s.samples_a_ray = scene.splitting.share(per_sequence);
             });
@@ -205,7 +210,7 @@ impl Picture {
         };
         let step = if small_steps { (self.done / 2).clamp(1, largest) } else { largest };
         // whole rays
-        (self.done < most).then(|| (self.scene.splitting.end(self.done + step - 1).min(most), 1))
+        (self.done < most).then(|| (self.scene.splitting.group(self.done + step - 1).end.min(most), 1))
     }
 
     /// Samples that all passes together take, as far as that is known.

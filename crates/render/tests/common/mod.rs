@@ -162,6 +162,33 @@ pub fn block_sums(color: &[[f32; 4]], edge: usize) -> Vec<f64> {
     sums
 }
 
+/// Films of so many pixels are the same, whatever the number of threads and however often the session was stopped: final
+/// ones, watched ones and adaptive ones. `finish_and_check` brings a session to its end.
+pub fn assert_same_for_threads_and_stops(
+    pixels: usize,
+    scene: impl Fn() -> Session,
+    finish_and_check: impl Fn(&Session),
+) {
+    for (interactive, target) in [(0, -1.0), (1, -1.0), (0, 1e-4)] {
+        let picture = |threads, stops: u32| {
+            let session = scene();
+            session.edit(setting("umber:threads", threads)).unwrap();
+            session.edit(setting("enableInteractive", interactive)).unwrap();
+            session.edit(number("convergedVariance", target)).unwrap();
+            for _ in 0..stops {
+                session.start();
+                std::thread::sleep(Duration::from_millis(21));
+                session.stop();
+            }
+            finish_and_check(&session);
+            color_of(&session, pixels)
+        };
+        let whole = picture(1, 0);
+        assert!(whole == picture(3, 0), "interactive {interactive}, target {target}: threads");
+        assert!(whole == picture(2, 9), "interactive {interactive}, target {target}: stops");
+    }
+}
+
 /// Pictures of two kinds, each by its [`block_sums`], have the same means. As many of either: of ten, Student's t of 18
 /// degrees of freedom; one of 37 blocks is beyond 4.5 once in a hundred tests.
 pub fn assert_same_means(what: &str, a: &[Vec<f64>], b: &[Vec<f64>]) {

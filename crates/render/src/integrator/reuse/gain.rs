@@ -123,8 +123,8 @@ impl<'a> Block<'a> {
             let (ray, mut rays) = (self.scene.camera.ray(at + sampler.next_2d()), 0);
             let primary = Primary::new(self.scene, ray, &mut sampler, &mut rays);
             let path = trace(&primary, &mut sampler);
-            // here each has a ray of its own
-            Path { rays: path.rays + rays, ..path }
+            // here each has a ray of its own, and what that sees
+            Path { rays: path.rays + rays, reflected: path.reflected + primary.emitted, ..path }
         };
         (0..PIXELS).map(path).collect()
     }
@@ -135,12 +135,12 @@ impl<'a> Block<'a> {
         let mut rays = [0; SIZES.len()];
         for sample in 0..RUN {
             let mut paths = self.paths(picture, sample);
-            let own: Vec<(Rgb, u64)> = paths.iter().map(|path| (path.radiance, path.rays)).collect();
+            let own: Vec<(Rgb, u64)> = paths.iter().map(|path| (path.reflected, path.rays)).collect();
             for (size, means) in means.iter_mut().enumerate() {
-                paths.iter_mut().zip(&own).for_each(|(path, own)| (path.radiance, path.rays) = *own);
+                paths.iter_mut().zip(&own).for_each(|(path, own)| (path.reflected, path.rays) = *own);
                 paths.chunks_mut(SIZES[size]).for_each(|group| share(self.scene, group));
                 for (path, mean) in paths.iter().zip(means) {
-                    *mean += tile::kept(self.scene, path.radiance).0.as_dvec3() / f64::from(RUN);
+                    *mean += tile::kept(self.scene, path.reflected).0.as_dvec3() / f64::from(RUN);
                     rays[size] += path.rays;
                 }
             }

@@ -28,7 +28,7 @@ pub(in crate::integrator) fn share(scene: &RenderScene, paths: &mut [Path<'_>]) 
         }
     }
     for (path, (sum, rays)) in paths.iter_mut().zip(sums.into_iter().zip(rays)) {
-        path.radiance += sum;
+        path.reflected += sum;
         path.rays += rays;
     }
 }

@@ -19,10 +19,8 @@ pub(crate) fn is_shared(bsdf: &Bsdf) -> bool {
 
 /// A path from the camera.
 pub(in crate::integrator) struct Path<'a> {
-    /// Radiance so far: what cannot be shared, and then the rest.
-    pub radiance: Rgb,
-    /// 1 where anything is seen, 0 where nothing is.
-    pub coverage: f32,
+    /// Radiance so far of what the first vertex reflects: what cannot be shared, and then the rest.
+    pub reflected: Rgb,
     /// Rays traced for it, without that from the camera.
     pub rays: u64,
     /// Where it is joined to second vertices; `None` where all that it finds is its own.
@@ -55,11 +53,10 @@ pub(super) struct Onwards {
 
 /// Traces a path on from what a ray from the camera met, whose own cost is not counted.
 pub(in crate::integrator) fn trace<'a>(primary: &Primary<'a>, sampler: &mut Sampler) -> Path<'a> {
-    let Primary { mut walk, emitted, coverage, first } = *primary;
-    let mut path = Path { radiance: emitted, coverage, rays: 0, first: None, second: None };
-    match first {
-        Some(first) if first.guided.bsdf.scatters() => path.go_on(&mut walk, first, sampler),
-        Some(first) => path.radiance += walk.on_from(&first, sampler, &mut path.rays),
+    let mut path = Path { reflected: Rgb::BLACK, rays: 0, first: None, second: None };
+    match primary.first {
+        Some((mut walk, first)) if first.guided.bsdf.scatters() => path.go_on(&mut walk, first, sampler),
+        Some((mut walk, first)) => path.reflected = walk.on_from(&first, sampler, &mut path.rays),
         None => {}
     }
     path
@@ -68,15 +65,15 @@ pub(in crate::integrator) fn trace<'a>(primary: &Primary<'a>, sampler: &mut Samp
 impl<'a> Path<'a> {
     /// Traces the rest from the first vertex.
     fn go_on(&mut self, walk: &mut Walk<'a>, first: Vertex<'a>, sampler: &mut Sampler) {
-        self.radiance += path::direct(walk.scene, &first, sampler, &mut self.rays);
+        self.reflected += path::direct(walk.scene, &first, sampler, &mut self.rays);
         let scattering = walk.scatter(&first, sampler);
         self.first = Some(first);
         let Some(Scattering { sample, .. }) = scattering else { return };
         let found = walk.find(sampler, &mut self.rays);
-        self.radiance += walk.throughput * found.radiance;
+        self.reflected += walk.throughput * found.radiance;
         let Some(second) = found.vertex else { return };
         if sample.lobe == LobeKind::Delta || !is_shared(&second.guided.bsdf) {
-            self.radiance += walk.on_from(&second, sampler, &mut self.rays);
+            self.reflected += walk.on_from(&second, sampler, &mut self.rays);
             return;
         }
         let light = path::arriving(walk.scene, &second, sampler, &mut self.rays);
@@ -89,7 +86,7 @@ impl<'a> Path<'a> {
             let reflected = next.map_or(Rgb::BLACK, |vertex| walk.on_from(&vertex, sampler, &mut self.rays));
             if sample.lobe == LobeKind::Delta {
                 let arriving = reflected + met.radiance(walk.scene, sample.wi, origin);
-                self.radiance += to_second * throughput * arriving;
+                self.reflected += to_second * throughput * arriving;
                 return None;
             }
             let (wi, cos_theta, survival) = (sample.wi, sample.cos_theta, scattering.survival);

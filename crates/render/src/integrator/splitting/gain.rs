@@ -8,7 +8,7 @@ use umber_sampling::Sampler;
 use super::Splitting;
 use crate::film::FilmDesc;
 use crate::integrator::primary::Primary;
-use crate::integrator::{Stop, dimensions, path, tile, trial};
+use crate::integrator::{Stop, path, tile, trial};
 use crate::scene::RenderScene;
 
 /// Samples of a run, at most. Fewer make edges look as if they suffered more than they do.
@@ -82,14 +82,17 @@ struct Pixel<'a> {
     scene: &'a RenderScene,
     number: u32,
     corner: Vec2,
+    edge_rays: u32,
 }
 
 impl<'a> Pixel<'a> {
     fn new(scene: &'a RenderScene, film: &FilmDesc, number: u32) -> Self {
         let size = Vec2::new(film.width as f32, film.height as f32);
-        let pixel = Self { scene, number, corner: Vec2::ZERO };
+        let pixel = Self { scene, number, corner: Vec2::ZERO, edge_rays: 0 };
         let place = pixel.sampler(0, 0).next_2d();
-        Self { corner: (place * size).floor().min(size - 1.0), ..pixel }
+        let corner = (place * size).floor().min(size - 1.0);
+        let edge_rays = scene.edges.as_ref().map_or(0, |edges| edges.rays([corner.x as usize, corner.y as usize]));
+        Self { corner, edge_rays, ..pixel }
     }
     fn sampler(&self, run: u32, sample: u32) -> Sampler {
         Sampler::new(STREAM | u64::from(self.scene.settings.seed), [self.number, run], sample)
@@ -110,11 +113,10 @@ impl<'a> Pixel<'a> {
     fn mean(&self, splitting: Splitting, run: u32, samples: u32, rays: &mut u64) -> DVec3 {
         let (mut sum, mut number) = (DVec3::ZERO, 0);
         while number < samples {
-            let mut sampler = self.sampler(run, splitting.ray(number));
-            sampler.start_dimension(dimensions::FILM);
-            let ray = self.scene.camera.ray(self.corner + sampler.next_2d());
-            let primary = Primary::new(self.scene, ray, &mut sampler, rays);
-            let end = splitting.end(number).min(samples);
+            let group = splitting.group(number);
+            let end = group.end.min(samples);
+            let draw = |number| self.sampler(run, number);
+            let primary = Primary::of_group(self.scene, self.corner, (group, splitting), self.edge_rays, draw, rays);
             for number in number..end {
                 let sample = path::radiance(&primary, &mut self.sampler(run, number), rays);
                 sum += tile::kept(self.scene, sample.radiance).0.as_dvec3();
