@@ -39,7 +39,7 @@ pub fn settings(given: &Settings) -> Settings {
 pub struct RadianceSample {
     /// Radiance towards the camera.
     pub radiance: Rgb,
-    /// 1 where anything is seen, 0 where nothing is.
+    /// How much of what its rays from the camera see is not the void: 1 or 0, or between where there are several.
     pub coverage: f32,
 }
 

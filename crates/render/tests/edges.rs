@@ -4,18 +4,20 @@ mod common;
 
 use common::*;
 use umber_math::{DAffine3, DVec3, Rgb};
-use umber_render::{Aov, Session};
+use umber_render::{Aov, FilmDesc, Session};
 use umber_scene::{Light, LightId, LightKind, Material, PreviewSurface, SceneEdit};
 
 const SAMPLES: i64 = 32;
 const SEEDS: i64 = 10;
 const PIXELS: usize = SIZE * SIZE;
 
-fn add_lamp(session: &Session, path: &str, radius: f32, at: DVec3, intensity: f32) {
+fn lamp(radius: f32, at: DVec3, intensity: f32) -> Light {
     let lamp = Light::new(LightKind::Sphere { radius, treat_as_point: false });
-    let world_from_light = DAffine3::from_translation(at);
-    let lamp = Light { intensity, world_from_light, ..lamp };
-    session.edit(SceneEdit::Light(LightId::new(path), lamp)).unwrap();
+    Light { intensity, world_from_light: DAffine3::from_translation(at), ..lamp }
+}
+
+fn add_lamp(session: &Session, path: &str, radius: f32, at: DVec3, intensity: f32) {
+    session.edit(SceneEdit::Light(LightId::new(path), lamp(radius, at, intensity))).unwrap();
 }
 
 fn add_sky(session: &Session, intensity: f32) {
@@ -58,6 +60,12 @@ fn edges_are_found_where_something_bright_ends() {
     assert_eq!(with(&set("umber:maxBounces", 0)), rim);
     // who watches has to wait for them
     assert_eq!(with(&set("enableInteractive", 1)), rim);
+    // what the camera does not see has no rim
+    let hidden = Light { camera_visible: false, ..lamp(0.7, DVec3::new(1.7, 0.8, -2.0), 10.0) };
+    let hide = |session: &Session| {
+        session.edit(SceneEdit::Light(LightId::new("/lamp"), hidden.clone())).unwrap();
+    };
+    assert_eq!(with(&hide), 0.0);
     // before a sky that is no brighter than the box there is little to gain
     let before_sky = |intensity| {
         with(&|session: &Session| {
@@ -86,7 +94,12 @@ fn lamps_smaller_than_pixels_are_found_wherever_they_are() {
 
 #[test]
 fn threads_and_stops_change_nothing() {
-    assert_same_for_threads_and_stops(PIXELS, scene, |session| assert!(edge_pixels(session) > 0));
+    let long = || {
+        let session = scene();
+        session.edit(setting("convergedSamplesPerPixel", 4096)).unwrap();
+        session
+    };
+    assert_same_for_threads_and_stops(PIXELS, long, |session| assert!(edge_pixels(session) > 0));
 }
 
 /// Pictures of a scene, with rays for edges or without; of one of their channels.
@@ -126,6 +139,14 @@ fn the_mean_stays() {
     assert_unbiased("partly there", &|session| {
         let matt = PreviewSurface { diffuse_color: Rgb::splat(0.7), opacity: 0.5, ..PreviewSurface::default() };
         bind(session, "/box", "/matt", Material::Preview(PreviewSurface { opacity_threshold: 0.0, ..matt }));
+    });
+    // each ray is clamped by itself; what is reflected is far below
+    assert_unbiased("clamped", &set("umber:fireflyClamp", 4.0));
+    assert_unbiased("part of a view", &|session| {
+        let mut film = FilmDesc::new(SIZE, SIZE, &[Aov::Color]);
+        film.data_window_min = [3, 1];
+        film.display_window = Some([0.0, 0.0, 30.0, 30.0]);
+        session.set_film(film);
     });
     // a glowing box
     assert_unbiased("glowing", &|session| bind(session, "/box", "/matt", lambert(0.7, 3.0)));

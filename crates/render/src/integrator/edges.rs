@@ -42,14 +42,14 @@ pub(crate) fn are_looked_for(settings: &Settings) -> bool {
 impl EdgeMap {
     /// Looks for edges; `None` where none are found, or where it was stopped. Counts rays.
     pub fn find(scene: &RenderScene, film: &FilmDesc, stop: &Stop<'_>, rays: &mut u64) -> Option<Self> {
-        let lamps = lamps::find(scene, film, rays);
+        let lamps = lamps::find(scene, film, stop, rays);
         let lattice = Lattice::trace(scene, film, &lamps, stop, rays)?;
         let of_pixel = |i: usize| {
             let [x, y] = [i % film.width, i / film.width];
             if !lattice.is_fine(x, y) {
                 return 0;
             }
-            rays_for(|column, row| lattice.seen(x + column, y + row), lamps.get(&i))
+            rays_for(|corner| lattice.seen([x, y], corner), lamps.get(&i))
         };
         let map: Vec<u8> = (0..film.width * film.height).into_par_iter().map(of_pixel).collect();
         map.iter().any(|rays| *rays > 0).then_some(Self { width: film.width, rays: map })
@@ -71,24 +71,26 @@ impl EdgeMap {
 /// and 2 are its corners.
 ///
 /// Of `n` rays, which are spread evenly, the error is as `n`⁻¹·⁵. Where one ray more is to bring as much as its cost
-/// brings elsewhere, their number goes as the relative variance of what shines to the power of 0.4; the factor is that of
-/// 64 samples of the many lamps and of the chess set.
-fn rays_for(seen: impl Fn(usize, usize) -> Option<Seen>, lamp: Option<&Seen>) -> u8 {
+/// brings elsewhere, their number goes as the relative variance of what shines to the power of 0.4; the factor is that
+/// of 64 samples of the many lamps and of the chess set.
+fn rays_for(seen: impl Fn([usize; 2]) -> Option<Seen>, lamp: Option<&Seen>) -> u8 {
     let (mut weights, mut emitted, mut squared, mut all) = (0.0, 0.0, 0.0, 0.0);
     let around = (0..16).filter_map(|i| {
         let [column, row] = [i % 4, i / 4];
         let is_corner = (1..3).contains(&column) && (1..3).contains(&row);
-        Some((if is_corner { (1.0 - SHARE_AROUND) / 4.0 } else { SHARE_AROUND / 12.0 }, seen(column, row)?))
+        Some((if is_corner { (1.0 - SHARE_AROUND) / 4.0 } else { SHARE_AROUND / 12.0 }, seen([column, row])?))
     });
     for (weight, seen) in around.chain(lamp.map(|lamp| (SHARE_OF_LAMP, *lamp))) {
         weights += weight;
-        emitted += weight * seen.emitted;
-        squared += weight * seen.emitted * seen.emitted;
-        all += weight * seen.radiance;
+        let [shines, shows] = [seen.emitted, seen.radiance].map(f64::from);
+        emitted += weight * shines;
+        squared += weight * shines * shines;
+        all += weight * shows;
     }
     let variance = (squared * weights - emitted * emitted) / (all * all);
+    // not a number where all is black
     let rays = 2.0 * variance.max(0.0).powf(0.4);
-    // powers of two: such runs of points are spread best. Not a number where all is black
+    // powers of two: such runs of points are spread best
     if rays >= 0.5f64.sqrt() { rays.min(MOST_RAYS).log2().round().exp2() as u8 } else { 0 }
 }
 
@@ -97,9 +99,9 @@ mod tests {
     use super::*;
 
     /// Rays of a pixel that sees `lit` from some of the points of the lattice, in light that all reflect.
-    fn rays(lit: f64, reflected: f64, shines: impl Fn(usize, usize) -> bool) -> u8 {
+    fn rays(lit: f32, reflected: f32, shines: impl Fn(usize, usize) -> bool) -> u8 {
         rays_for(
-            |column, row| {
+            |[column, row]| {
                 let emitted = if shines(column, row) { lit } else { 0.0 };
                 Some(Seen { emitted, radiance: emitted + reflected })
             },

@@ -1,14 +1,12 @@
 //! What a ray from the camera meets.
 
-use std::ops::Range;
-
 use umber_math::{Ray, Rgb, Vec2};
 use umber_sampling::Sampler;
 
 use super::found::Met;
 use super::path::{Vertex, Walk};
 use super::splitting::Splitting;
-use super::{RadianceSample, dimensions};
+use super::{RadianceSample, dimensions, tile};
 use crate::scene::RenderScene;
 
 /// A ray from the camera, or several through a pixel, followed to where paths go on from.
@@ -19,8 +17,8 @@ pub(crate) struct Primary<'a> {
     pub coverage: f32,
     /// A path that has not gone on yet, and where it does, if anywhere.
     pub(super) first: Option<(Walk<'a>, Vertex<'a>)>,
-    /// How much what they find counts.
-    pub share: f32,
+    /// How much what it finds counts.
+    share: f32,
 }
 
 impl<'a> Primary<'a> {
@@ -33,13 +31,14 @@ impl<'a> Primary<'a> {
         Self { emitted, coverage, first: walk.vertex(&met).map(|vertex| (walk, vertex)), share: 1.0 }
     }
 
-    /// Follows what a pixel's samples of a group begin with: one ray, or where edges run through it, so many for each of
-    /// them. `draw` gives the points of a sample or of a ray by number.
-    pub fn of_group(
+    /// Follows what a pixel's samples begin with that share their rays, of which number `number` is one: one ray, or
+    /// where edges run through the pixel, so many for each of them. `draw` gives the points of a sample or of a ray by
+    /// number.
+    pub fn of_samples(
         scene: &'a RenderScene,
         pixel: Vec2,
-        (group, splitting): (Range<u32>, Splitting),
-        edge_rays: u32,
+        number: u32,
+        splitting: Splitting,
         draw: impl Fn(u32) -> Sampler,
         rays: &mut u64,
     ) -> Self {
@@ -48,11 +47,13 @@ impl<'a> Primary<'a> {
             sampler.start_dimension(dimensions::FILM);
             (scene.camera.ray(pixel + sampler.next_2d()), sampler)
         };
-        if edge_rays == 0 {
-            let (ray, mut sampler) = begin(splitting.ray(group.start));
+        let (group, first) = (splitting.group(number), splitting.ray(number));
+        let edge_rays = scene.edges.as_ref().map_or(0, |edges| edges.rays([pixel.x as usize, pixel.y as usize]));
+        if edge_rays * group.len() as u32 <= 1 {
+            let (ray, mut sampler) = begin(first);
             return Self::new(scene, ray, &mut sampler, rays);
         }
-        let mut choice = draw(group.start);
+        let mut choice = draw(first);
         choice.start_dimension(dimensions::RAY_CHOICE);
         let numbers = group.start * edge_rays..group.end * edge_rays;
         Self::of_many(scene, numbers.map(begin), choice.next_1d(), rays)
@@ -79,7 +80,8 @@ impl<'a> Primary<'a> {
             let walk = Walk::new(scene, ray);
             let met = walk.meet(&mut sampler, rays);
             let seen = walk.seen(&met);
-            emitted += seen.0;
+            // one ray is not to spoil the others
+            emitted += tile::kept(scene, seen.0);
             coverage += seen.1;
             if matches!(met, Met::Surface(..)) {
                 surfaces.push((walk, met));

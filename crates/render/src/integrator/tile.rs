@@ -128,7 +128,7 @@ impl<'a> Pass<'a> {
         while samples.sums[i].samples < count {
             let begin = samples.sums[i].samples;
             let group = self.scene.splitting.group(begin);
-            let primary = self.primary(place, group.clone(), &mut work.rays);
+            let primary = self.primary(place, begin, &mut work.rays);
             for number in begin..group.end.min(count) {
                 if self.stop.cancelled() {
                     return false;
@@ -198,10 +198,9 @@ impl<'a> Pass<'a> {
                 return false;
             }
             if number >= end {
-                let samples = self.scene.splitting.group(number);
-                end = samples.end;
+                end = self.scene.splitting.group(number).end;
                 primaries.clear();
-                primaries.extend(group.iter().map(|place| self.primary(*place, samples.clone(), &mut work.rays)));
+                primaries.extend(group.iter().map(|place| self.primary(*place, number, &mut work.rays)));
             }
             paths.clear();
             paths.extend(members().map(|(member, &place): (usize, _)| {
@@ -224,7 +223,7 @@ impl<'a> Pass<'a> {
     }
 
     /// The number of a pixel within the whole view, so that a part of it has the same samples, where paths are neither
-    /// shared nor split: groups end with the film, and trials are made of it.
+    /// shared nor split, and no edges are found: groups end with the film, and trials and searches are made of it.
     fn in_view(&self, [x, y]: [usize; 2]) -> [u32; 2] {
         [(x as i32 + self.view_min[0]) as u32, (y as i32 + self.view_min[1]) as u32]
     }
@@ -239,13 +238,11 @@ impl<'a> Pass<'a> {
         self.ray(place, sampler.next_2d())
     }
 
-    /// What the samples of a group, in which they share their rays from the camera, begin with in a pixel.
-    fn primary(&self, place: [usize; 2], group: Range<u32>, rays: &mut u64) -> Primary<'a> {
-        let scene = self.scene;
-        let edge_rays = scene.edges.as_ref().map_or(0, |edges| edges.rays(place));
+    /// What sample number `number` of a pixel begins with, and those that share its rays from the camera.
+    fn primary(&self, place: [usize; 2], number: u32, rays: &mut u64) -> Primary<'a> {
         let corner = Vec2::new(place[0] as f32, place[1] as f32);
         let draw = |number| self.sampler(place, number);
-        Primary::of_group(scene, corner, (group, scene.splitting), edge_rays, draw, rays)
+        Primary::of_samples(self.scene, corner, number, self.scene.splitting, draw, rays)
     }
 }
 

@@ -97,9 +97,9 @@ impl Picture {
         true
     }
 
-    /// Decides how the samples to come are taken: where they take more rays from the camera, how they find caustics, how many pixels share their paths, and
-    /// whether paths are split, each of the last two judged with caustics as they are found and without the other. All
-    /// is left as it was where it was stopped.
+    /// Decides how the samples to come are taken: where they take more rays from the camera, how they find caustics,
+    /// how many pixels share their paths, and whether paths are split, each of the last two judged with caustics as
+    /// they are found and without the other. All is left as it was where it was stopped.
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);

@@ -162,8 +162,8 @@ pub fn block_sums(color: &[[f32; 4]], edge: usize) -> Vec<f64> {
     sums
 }
 
-/// Films of so many pixels are the same, whatever the number of threads and however often the session was stopped: final
-/// ones, watched ones and adaptive ones. `finish_and_check` brings a session to its end.
+/// Films of so many pixels are the same, whatever the number of threads and however often the session was stopped:
+/// final ones, watched ones and adaptive ones. `finish_and_check` brings a session to its end.
 pub fn assert_same_for_threads_and_stops(
     pixels: usize,
     scene: impl Fn() -> Session,
@@ -175,11 +175,14 @@ pub fn assert_same_for_threads_and_stops(
             session.edit(setting("umber:threads", threads)).unwrap();
             session.edit(setting("enableInteractive", interactive)).unwrap();
             session.edit(number("convergedVariance", target)).unwrap();
-            for _ in 0..stops {
+            let mut halted = 0;
+            for i in 0..stops {
                 session.start();
-                std::thread::sleep(Duration::from_millis(21));
+                std::thread::sleep(Duration::from_micros(300 << i));
                 session.stop();
+                halted += u32::from(!session.is_converged());
             }
+            assert!(stops == 0 || halted > 0, "no stop came in time");
             finish_and_check(&session);
             color_of(&session, pixels)
         };

@@ -8,19 +8,21 @@ use umber_shading::Light;
 
 use super::lattice::{self, Seen};
 use crate::film::FilmDesc;
+use crate::integrator::Stop;
 use crate::scene::RenderScene;
 
 /// Pixels across and down of the largest lights that are looked for one by one.
 const LARGEST: f32 = 4.0;
 
-/// What is seen of small lights, by the number of each pixel that one may reach into: of the brightest there. Counts rays.
-pub(super) fn find(scene: &RenderScene, film: &FilmDesc, rays: &mut u64) -> BTreeMap<usize, Seen> {
+/// What is seen of small lights, through the middles of their boxes, by the number of each pixel that one may reach
+/// into: of the brightest there. Of some lights alone, where stopped. Counts rays.
+pub(super) fn find(scene: &RenderScene, film: &FilmDesc, stop: &Stop<'_>, rays: &mut u64) -> BTreeMap<usize, Seen> {
     let look = |light: &Light| {
         let [low, high] = extent(scene, light)?;
         let size = Vec2::new(film.width as f32, film.height as f32);
         let is_small = (high - low).max_element() <= LARGEST;
         let is_inside = low.cmplt(size).all() && high.cmpge(Vec2::ZERO).all();
-        if !is_small || !is_inside {
+        if !is_small || !is_inside || stop.now() {
             return None;
         }
         let mut rays = 0;

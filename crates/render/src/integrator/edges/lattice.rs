@@ -1,31 +1,35 @@
 //! What is seen through the corners of pixels, finely where it is needed.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use umber_math::Vec2;
+use umber_math::{Rgb, Vec2};
 use umber_sampling::Sampler;
 
-use crate::film::{self, FilmDesc};
+use crate::film::FilmDesc;
 use crate::integrator::primary::Primary;
-use crate::integrator::{Stop, path};
+use crate::integrator::{Stop, path, tile};
 use crate::scene::RenderScene;
 
 /// Pixels across and down of a cell, whose corners are looked at first.
 const CELL: usize = 2;
 /// An edge runs through a cell where one of its corners shines so much brighter than another.
-const CONTRAST: f64 = 2.0;
+const CONTRAST: f32 = 2.0;
 /// Distinguishes its random numbers from those of the picture.
 const STREAM: u64 = 10 << 32;
 
 /// Luminances that are seen through a point.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Seen {
-    /// Of what shines by itself.
-    pub emitted: f64,
+    /// Of what shines by itself; not a number where nobody looked.
+    pub emitted: f32,
     /// With that which is reflected, as one path finds it.
-    pub radiance: f64,
+    pub radiance: f32,
+}
+
+impl Seen {
+    /// Where nobody looked.
+    const NOTHING: Self = Self { emitted: f32::NAN, radiance: 0.0 };
 }
 
 /// What is seen through corners of pixels: of all that have to do with edges.
@@ -34,8 +38,8 @@ pub(super) struct Lattice {
     size: [usize; 2],
     /// Cells in which edges run, or beside such ones: row by row.
     cells: Vec<bool>,
-    /// Corners of pixels, row by row; nothing where no such cell is.
-    corners: Vec<Option<Seen>>,
+    /// Corners of pixels, row by row; [`Seen::NOTHING`] where no such cell is.
+    corners: Vec<Seen>,
 }
 
 impl Lattice {
@@ -48,41 +52,26 @@ impl Lattice {
         stop: &Stop<'_>,
         rays: &mut u64,
     ) -> Option<Self> {
-        let traced = AtomicU64::new(0);
-        let each = |[columns, rows]: [usize; 2], look: &(dyn Fn(usize, usize, &mut u64) -> Option<Seen> + Sync)| {
-            let of_row = |y: usize| {
-                let mut rays = 0;
-                let row = (0..columns).map(|x| if stop.cancelled() { None } else { look(x, y, &mut rays) });
-                let row: Vec<_> = row.collect();
-                traced.fetch_add(rays, Ordering::Relaxed);
-                row
-            };
-            (0..rows).into_par_iter().flat_map_iter(of_row).collect::<Vec<_>>()
-        };
         let size = [film.width, film.height];
         let count = size.map(|pixels| pixels.div_ceil(CELL));
-        let coarse = each(count.map(|cells| cells + 1), &|x, y, rays| {
+        let coarse = rows(count.map(|cells| cells + 1), stop, rays, |x, y, rays| {
             let [x, y] = [(x, size[0]), (y, size[1])].map(|(cell, pixels)| (cell * CELL).min(pixels) as f32);
             let (primary, _) = primary(scene, Vec2::new(x, y), rays);
-            Some(Seen { emitted: film::luminance(primary.emitted.0.as_dvec3()), radiance: 0.0 })
+            Seen { emitted: luminance(scene, primary.emitted), radiance: 0.0 }
         });
         let mut cells = edges(&coarse, count);
         for pixel in lamps.keys() {
             cells[pixel / size[0] / CELL * count[0] + pixel % size[0] / CELL] = true;
         }
-        let cells = with_neighbours(&cells, count);
-        let mut lattice = Self { size, cells, corners: Vec::new() };
+        let mut lattice = Self { size, cells: with_neighbours(&cells, count), corners: Vec::new() };
         if !lattice.cells.contains(&true) {
             return None;
         }
-        lattice.corners = each(size.map(|pixels| pixels + 1), &|x, y, rays| {
-            let touches = |x: usize, y: usize| x < size[0] && y < size[1] && lattice.is_fine(x, y);
-            let [before_x, before_y] = [x, y].map(|at| at.wrapping_sub(1));
-            let is_wanted =
-                touches(x, y) || touches(before_x, y) || touches(x, before_y) || touches(before_x, before_y);
-            is_wanted.then(|| look(scene, Vec2::new(x as f32, y as f32), rays))
+        lattice.corners = rows(size.map(|pixels| pixels + 1), stop, rays, |x, y, rays| {
+            let around = |at: usize, pixels: usize| at.saturating_sub(1)..(at + 1).min(pixels);
+            let is_wanted = around(y, size[1]).any(|y| around(x, size[0]).any(|x| lattice.is_fine(x, y)));
+            if is_wanted { look(scene, Vec2::new(x as f32, y as f32), rays) } else { Seen::NOTHING }
         });
-        *rays += traced.into_inner();
         (!stop.now()).then_some(lattice)
     }
 
@@ -91,20 +80,44 @@ impl Lattice {
         self.cells[y / CELL * self.size[0].div_ceil(CELL) + x / CELL]
     }
 
-    /// What is seen through a point around a pixel, counted from one before its first corner.
-    pub fn seen(&self, x: usize, y: usize) -> Option<Seen> {
-        let [x, y] = [x.checked_sub(1)?, y.checked_sub(1)?];
+    /// What is seen through one of the corners around a pixel: of columns and rows 0 to 3, 1 and 2 are its own. `None`
+    /// outside of the film, and where nobody looked.
+    pub fn seen(&self, [x, y]: [usize; 2], [column, row]: [usize; 2]) -> Option<Seen> {
+        let [x, y] = [(x + column).checked_sub(1)?, (y + row).checked_sub(1)?];
         let is_inside = x <= self.size[0] && y <= self.size[1];
-        is_inside.then(|| self.corners[y * (self.size[0] + 1) + x]).flatten()
+        is_inside.then(|| self.corners[y * (self.size[0] + 1) + x]).filter(|seen| !seen.emitted.is_nan())
     }
+}
+
+/// What is seen at each place of a grid of so many columns and rows, row by row. Counts rays.
+fn rows(
+    [columns, rows]: [usize; 2],
+    stop: &Stop<'_>,
+    rays: &mut u64,
+    look: impl Fn(usize, usize, &mut u64) -> Seen + Sync,
+) -> Vec<Seen> {
+    let mut seen = vec![Seen::NOTHING; columns * rows];
+    let of_row = |(y, row): (usize, &mut [Seen])| {
+        let mut rays = 0;
+        for (x, seen) in row.iter_mut().enumerate().take_while(|_| !stop.now()) {
+            *seen = look(x, y, &mut rays);
+        }
+        rays
+    };
+    *rays += seen.par_chunks_mut(columns).enumerate().map(of_row).sum::<u64>();
+    seen
 }
 
 /// What is seen through a point of the film. Counts rays.
 pub(super) fn look(scene: &RenderScene, at: Vec2, rays: &mut u64) -> Seen {
     let (primary, mut sampler) = primary(scene, at, rays);
     let sample = path::radiance(&primary, &mut sampler, rays);
-    let [emitted, radiance] = [primary.emitted, sample.radiance].map(|l| film::luminance(l.0.as_dvec3()));
-    Seen { emitted, radiance }
+    Seen { emitted: luminance(scene, primary.emitted), radiance: luminance(scene, sample.radiance) }
+}
+
+/// Luminance of what a pixel keeps.
+fn luminance(scene: &RenderScene, radiance: Rgb) -> f32 {
+    tile::kept(scene, radiance).luminance()
 }
 
 /// What a ray through a point of the film meets.
@@ -114,12 +127,12 @@ fn primary<'a>(scene: &'a RenderScene, at: Vec2, rays: &mut u64) -> (Primary<'a>
 }
 
 /// Which of so many cells across and down edges run through.
-fn edges(corners: &[Option<Seen>], [columns, rows]: [usize; 2]) -> Vec<bool> {
-    let emitted = |x: usize, y: usize| corners[y * (columns + 1) + x].map_or(0.0, |seen| seen.emitted);
+fn edges(corners: &[Seen], [columns, rows]: [usize; 2]) -> Vec<bool> {
+    let emitted = |x: usize, y: usize| corners[y * (columns + 1) + x].emitted;
     let runs_through = |i: usize| {
         let (x, y) = (i % columns, i / columns);
         let corners = [emitted(x, y), emitted(x + 1, y), emitted(x, y + 1), emitted(x + 1, y + 1)];
-        let [low, high] = [corners.into_iter().fold(f64::INFINITY, f64::min), corners.into_iter().fold(0.0, f64::max)];
+        let [low, high] = [corners.into_iter().fold(f32::INFINITY, f32::min), corners.into_iter().fold(0.0, f32::max)];
         high > CONTRAST * low
     };
     (0..columns * rows).map(runs_through).collect()
@@ -133,4 +146,55 @@ fn with_neighbours(cells: &[bool], [columns, rows]: [usize; 2]) -> Vec<bool> {
         around(y, rows).any(|y| around(x, columns).any(|x| cells[y * columns + x]))
     };
     (0..cells.len()).map(is_near).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_run_through_cells_whose_corners_shine_differently() {
+        // three cells across and two down; one corner of the grid shines
+        let count = [3, 2];
+        let shining = |x: usize, y: usize, dark: f32| -> Vec<usize> {
+            let mut corners = vec![Seen { emitted: dark, radiance: dark }; 12];
+            corners[y * 4 + x].emitted = 1.0;
+            edges(&corners, count).iter().enumerate().filter(|(_, edge)| **edge).map(|(cell, _)| cell).collect()
+        };
+        assert_eq!(shining(0, 0, 0.0), [0]);
+        assert_eq!(shining(1, 1, 0.0), [0, 1, 3, 4]);
+        assert_eq!(shining(3, 2, 0.0), [5]);
+        assert_eq!(shining(1, 1, 0.4), [0, 1, 3, 4]);
+        assert!(shining(1, 1, 0.6).is_empty());
+    }
+
+    #[test]
+    fn cells_beside_edges_are_looked_at_as_well() {
+        let cells = |edge: usize| {
+            let mut cells = vec![false; 12];
+            cells[edge] = true;
+            let near = with_neighbours(&cells, [4, 3]);
+            (0..12).filter(|cell| near[*cell]).collect::<Vec<_>>()
+        };
+        assert_eq!(cells(0), [0, 1, 4, 5]);
+        assert_eq!(cells(6), [1, 2, 3, 5, 6, 7, 9, 10, 11]);
+        assert_eq!(cells(11), [6, 7, 10, 11]);
+        assert_eq!(with_neighbours(&[true], [1, 1]), [true]);
+    }
+
+    #[test]
+    fn what_lies_outside_or_was_not_looked_at_is_not_seen() {
+        // one pixel across and three down, whose second has a corner that nobody looked at
+        let at = |y: usize| Seen { emitted: y as f32, radiance: 0.0 };
+        let mut corners: Vec<Seen> = (0..8).map(|i| at(i / 2)).collect();
+        corners[2] = Seen::NOTHING;
+        let lattice = Lattice { size: [1, 3], cells: vec![true; 2], corners };
+        let seen = |pixel: [usize; 2], corner| lattice.seen(pixel, corner).map(|seen| seen.emitted);
+        assert_eq!(seen([0, 0], [1, 1]), Some(0.0));
+        assert_eq!(seen([0, 0], [2, 2]), Some(1.0));
+        assert_eq!(seen([0, 1], [1, 1]), None);
+        assert_eq!(seen([0, 2], [2, 2]), Some(3.0));
+        assert_eq!([[0, 1], [1, 0], [3, 1]].map(|corner| seen([0, 0], corner)), [None; 3]);
+        assert_eq!(seen([0, 2], [1, 3]), None);
+    }
 }

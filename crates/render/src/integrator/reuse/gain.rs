@@ -9,7 +9,8 @@ use super::groups::RUN;
 use super::{LARGEST_GROUP, Path, share, trace};
 use crate::film::FilmDesc;
 use crate::integrator::primary::Primary;
-use crate::integrator::{Stop, dimensions, tile, trial};
+use crate::integrator::splitting::Splitting;
+use crate::integrator::{Stop, tile, trial};
 use crate::scene::RenderScene;
 
 /// Sizes of groups that are tried: squares of pixels.
@@ -113,20 +114,20 @@ impl<'a> Block<'a> {
         Self { scene, seed, number, corner: [within(place.x, film.width), within(place.y, film.height)] }
     }
 
-    /// Paths of a picture's sample; squares of four follow each other.
-    fn paths(&self, picture: usize, sample: u32) -> Vec<Path<'a>> {
+    /// What a picture's sample begins with in each pixel, and paths from there; squares of four follow each other.
+    fn paths(&self, picture: usize, sample: u32) -> (Vec<Primary<'a>>, Vec<Path<'a>>) {
         let path = |i: usize| {
             let offset = [0, 1].map(|axis| (i >> axis & 1) + (i >> (axis + 2) & 1) * 2);
-            let mut sampler = Sampler::new(self.seed, [self.number, (1 + picture * PIXELS + i) as u32], sample);
-            sampler.start_dimension(dimensions::FILM);
+            let draw = |sample| Sampler::new(self.seed, [self.number, (1 + picture * PIXELS + i) as u32], sample);
             let at = Vec2::new((self.corner[0] + offset[0]) as f32, (self.corner[1] + offset[1]) as f32);
-            let (ray, mut rays) = (self.scene.camera.ray(at + sampler.next_2d()), 0);
-            let primary = Primary::new(self.scene, ray, &mut sampler, &mut rays);
-            let path = trace(&primary, &mut sampler);
-            // here each has a ray of its own, and what that sees
-            Path { rays: path.rays + rays, reflected: path.reflected + primary.emitted, ..path }
+            let mut rays = 0;
+            let primary = Primary::of_samples(self.scene, at, sample, Splitting::NONE, draw, &mut rays);
+            let path = trace(&primary, &mut draw(sample));
+            // here each begins by itself
+            let path = Path { rays: path.rays + rays, ..path };
+            (primary, path)
         };
-        (0..PIXELS).map(path).collect()
+        (0..PIXELS).map(path).unzip()
     }
 
     /// Radiance of each pixel in groups of each size, the mean of a run, and rays taken.
@@ -134,13 +135,14 @@ impl<'a> Block<'a> {
         let mut means = SIZES.map(|_| vec![DVec3::ZERO; PIXELS]);
         let mut rays = [0; SIZES.len()];
         for sample in 0..RUN {
-            let mut paths = self.paths(picture, sample);
+            let (primaries, mut paths) = self.paths(picture, sample);
             let own: Vec<(Rgb, u64)> = paths.iter().map(|path| (path.reflected, path.rays)).collect();
             for (size, means) in means.iter_mut().enumerate() {
                 paths.iter_mut().zip(&own).for_each(|(path, own)| (path.reflected, path.rays) = *own);
                 paths.chunks_mut(SIZES[size]).for_each(|group| share(self.scene, group));
-                for (path, mean) in paths.iter().zip(means) {
-                    *mean += tile::kept(self.scene, path.reflected).0.as_dvec3() / f64::from(RUN);
+                for ((path, primary), mean) in paths.iter().zip(&primaries).zip(means) {
+                    let sample = primary.sample(path.reflected);
+                    *mean += tile::kept(self.scene, sample.radiance).0.as_dvec3() / f64::from(RUN);
                     rays[size] += path.rays;
                 }
             }

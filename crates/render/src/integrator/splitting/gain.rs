@@ -82,17 +82,14 @@ struct Pixel<'a> {
     scene: &'a RenderScene,
     number: u32,
     corner: Vec2,
-    edge_rays: u32,
 }
 
 impl<'a> Pixel<'a> {
     fn new(scene: &'a RenderScene, film: &FilmDesc, number: u32) -> Self {
         let size = Vec2::new(film.width as f32, film.height as f32);
-        let pixel = Self { scene, number, corner: Vec2::ZERO, edge_rays: 0 };
+        let pixel = Self { scene, number, corner: Vec2::ZERO };
         let place = pixel.sampler(0, 0).next_2d();
-        let corner = (place * size).floor().min(size - 1.0);
-        let edge_rays = scene.edges.as_ref().map_or(0, |edges| edges.rays([corner.x as usize, corner.y as usize]));
-        Self { corner, edge_rays, ..pixel }
+        Self { corner: (place * size).floor().min(size - 1.0), ..pixel }
     }
     fn sampler(&self, run: u32, sample: u32) -> Sampler {
         Sampler::new(STREAM | u64::from(self.scene.settings.seed), [self.number, run], sample)
@@ -113,10 +110,9 @@ impl<'a> Pixel<'a> {
     fn mean(&self, splitting: Splitting, run: u32, samples: u32, rays: &mut u64) -> DVec3 {
         let (mut sum, mut number) = (DVec3::ZERO, 0);
         while number < samples {
-            let group = splitting.group(number);
-            let end = group.end.min(samples);
             let draw = |number| self.sampler(run, number);
-            let primary = Primary::of_group(self.scene, self.corner, (group, splitting), self.edge_rays, draw, rays);
+            let primary = Primary::of_samples(self.scene, self.corner, number, splitting, draw, rays);
+            let end = splitting.group(number).end.min(samples);
             for number in number..end {
                 let sample = path::radiance(&primary, &mut self.sampler(run, number), rays);
                 sum += tile::kept(self.scene, sample.radiance).0.as_dvec3();
