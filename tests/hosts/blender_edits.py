@@ -85,7 +85,40 @@ def profile_inside() -> None:
     node = next(node for node in lamp.node_tree.nodes if node.bl_idname == "ShaderNodeTexIES")
     text = bpy.data.texts.load(node.filepath)
     node.mode, node.ies = "INTERNAL", text
+    bpy.data.objects["Light"]["usd:inputs:shaping:focus"] = 2.0
     lamp.type, lamp.use_shadow = "POINT", False
+
+
+def sky_in_world(*, is_mixed: bool) -> None:
+    """A World that shows a picture: mixed with an even background by Light Path, or beside one that nothing uses."""
+    world = bpy.context.scene.world = bpy.data.worlds.new("Sky")
+    nodes, connect, output = world.node_tree.nodes, world.node_tree.links.new, world.node_tree.get_output_node("ALL")
+    even = next(node for node in nodes if node.bl_idname == "ShaderNodeBackground")
+    picture, sky = nodes.new("ShaderNodeTexEnvironment"), nodes.new("ShaderNodeBackground")
+    picture.image = bpy.data.images.load(str(driver.ADD_ONS.parents[1] / "docs/scenes/lights/sky.hdr"))
+    sky.inputs["Strength"].default_value = 2.5
+    connect(picture.outputs["Color"], sky.inputs["Color"])
+    if not is_mixed:
+        connect(sky.outputs["Background"], output.inputs["Surface"])
+        return
+    mix = nodes.new("ShaderNodeMixShader")
+    connect(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+    connect(sky.outputs["Background"], mix.inputs[1])
+    connect(even.outputs["Background"], mix.inputs[2])
+    connect(mix.outputs["Shader"], output.inputs["Surface"])
+
+
+def tag() -> None:
+    """Custom properties that are not ours, at the light and at its parent; one of ours with a slip of the pen."""
+    light = bpy.data.objects["Light"]
+    parent = bpy.data.objects.new("Rig", None)
+    bpy.context.scene.collection.objects.link(parent)
+    light.parent = parent
+    light["usd:inputs:shaping:fokus"] = 2.0
+    light["usd:inputs:shaping:focus"] = 0.5
+    for item in (light, parent):
+        item["usd:assetTag"] = "lamp"
+    parent["usd:inputs:shaping:focus"] = 0.25
 
 
 EDITS: dict[str, Callable[[], None]] = {
@@ -97,20 +130,25 @@ EDITS: dict[str, Callable[[], None]] = {
     "lose_profile": lose_profile,
     "give_size": give_size,
     "profile_inside": profile_inside,
+    "mixed_sky": lambda: sky_in_world(is_mixed=True),
+    "lone_sky": lambda: sky_in_world(is_mixed=False),
+    "tag": tag,
 }
 
 
 def main(stage: str, output: str, edit: str, *options: str) -> int:
-    """Does it; the exit code. `options` are the exporter's, as NAME=VALUE."""
+    """Does it; the exit code. `options` are the exporter's, as NAME=VALUE, or as import.NAME=VALUE of the import."""
     driver.add_on()
-    driver.import_stage(stage)
+    starts = [text.removeprefix("import.") for text in options if text.startswith("import.")]
+    driver.import_stage(stage, **dict(driver.parse_setting(text) for text in starts))
     EDITS[edit]()
     if output.endswith(".exr"):
         flags = [stage, output, "--camera", "/Camera", "--imageWidth", "48"]
         driver.set_up(driver.argument_parser().parse_args(flags))
         bpy.ops.render.render(write_still=True)
     else:
-        bpy.ops.wm.usd_export(filepath=output, **dict(driver.parse_setting(text) for text in options))
+        ends = [text for text in options if not text.startswith("import.")]
+        bpy.ops.wm.usd_export(filepath=output, **dict(driver.parse_setting(text) for text in ends))
     return driver.DONE
 
 

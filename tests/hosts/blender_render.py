@@ -85,10 +85,12 @@ def add_on() -> ModuleType:
     return umber
 
 
-def import_stage(path: str) -> None:
-    """An empty scene with the stage in it."""
+def import_stage(path: str, *, has_world: bool = False, **options: object) -> None:
+    """An empty scene, or one that has Blender's grey World, with the stage in it; `options` are the importer's."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    result = bpy.ops.wm.usd_import(filepath=str(Path(path).resolve()))
+    if has_world:
+        bpy.context.scene.world = bpy.data.worlds.new("Grey")
+    result = bpy.ops.wm.usd_import(filepath=str(Path(path).resolve()), **options)
     if "FINISHED" not in result:
         raise RuntimeError(f"Blender cannot import {path}")
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from test_hosts import HERE, run
 
 LIGHTS = HERE.parents[1] / "docs/scenes/lights"
 STAGES = sorted(path for path in LIGHTS.glob("*.usda") if path.stem != "set")
+SETTINGS = HERE.parents[1] / "crates/settings/src"
 MANY = HERE / "blender_lights.usda"
 FLAGS = ["--camera", "/Camera", "--disableCameraLight", "--imageWidth", "96"]
 BLOCK = 8
@@ -53,6 +56,7 @@ def test_blender_shows_what_hydra_shows(tmp_path: Path, stage: Path) -> None:
 
 def edited(stage: Path, folder: Path, edit: str = "none", *options: str) -> tuple[Usd.Stage, str]:
     """The stage imported, edited and exported by Blender, and what Blender said."""
+    folder.mkdir(exist_ok=True)
     output = folder / f"{stage.stem}_{edit}.usda"
     said = run([sys.executable, HERE / "blender_edits.py", stage, output, edit, *options])
     return Usd.Stage.Open(str(output)), said
@@ -114,6 +118,35 @@ def test_links_of_what_is_scattered_go_by_the_instancer(tmp_path: Path, instanci
     assert included == [Sdf.Path(f"/root/Set/Floor/{part}") for part in parts]
 
 
+def test_ordinary_exports_gain_only_light(tmp_path: Path) -> None:
+    """Of a scene that came from no stage, all but a little about lights is as Blender alone exports it."""
+    alone, gained = tmp_path / "alone.usda", tmp_path / "gained.usda"
+    run([sys.executable, HERE / "blender_export.py", alone, gained])
+    stages = [Usd.Stage.Open(str(path)) for path in (alone, gained)]
+    said = [
+        {
+            (prim.GetName(), attribute.GetName()): str(attribute.Get())
+            for prim in stage.Traverse()
+            for attribute in prim.GetAuthoredAttributes()
+        }
+        for stage in stages
+    ]
+    differences = {key for key in said[0].keys() | said[1].keys() if said[0].get(key) != said[1].get(key)}
+    assert differences == {
+        ("env_light", "inputs:color"),
+        ("env_light", "inputs:texture:file"),
+        ("Spot", "inputs:shadow:enable"),
+        *((name, "inputs:enableColorTemperature") for name in ("Point", "Sun", "Spot", "Area")),
+    }
+
+
+@pytest.mark.parametrize(("name", "count"), [("rect", 0), ("shadow_link", 1), ("light_link", 2)])
+def test_lights_for_everything_are_not_looked_through(name: str, count: int) -> None:
+    """As most lights are: with many of them, and many objects, that would take long."""
+    said = run([sys.executable, HERE / "blender_default_links.py", LIGHTS / f"{name}.usda"])
+    assert f"collections: {count}\n" in said
+
+
 def test_links_made_in_blender_are_exported(tmp_path: Path) -> None:
     """Collections that an artist makes, nested ones among them."""
     stage, _ = edited(LIGHTS / "rect.usda", tmp_path, "link")
@@ -125,17 +158,21 @@ def test_links_made_in_blender_are_exported(tmp_path: Path) -> None:
     assert shadows.GetExcludesRel().GetTargets() == [Sdf.Path("/root/Set/Ball/Ball")]
 
 
-@pytest.mark.parametrize("name", ["focus", "cylinder", "rect_textured"])
-def test_power_is_the_artists(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [("focus", "inputs:shaping:focus"), ("cylinder", "inputs:length"), ("rect_textured", None)],
+)
+def test_power_is_the_artists(tmp_path: Path, name: str, kept: str | None) -> None:
     """An edit in Blender wins over what the stage said; the rest is still the stage's."""
     before = Usd.Stage.Open(str(LIGHTS / f"{name}.usda"))
     after, _ = edited(LIGHTS / f"{name}.usda", tmp_path, "double_power")
     source, result = find_light(before, "Light"), find_light(after, "Light")
     assert value(result, "inputs:intensity") == pytest.approx(2.0 * value(source, "inputs:intensity"))
     assert result.GetPrim().GetTypeName() == source.GetPrim().GetTypeName()
-    for kept in ("inputs:shaping:focus", "inputs:length"):
+    if kept:
+        assert value(source, kept) is not None
         assert value(result, kept) == value(source, kept)
-    if name == "rect_textured":
+    else:
         texture = result.GetPrim().GetAttribute("inputs:texture:file").Get()
         assert Path(texture.resolvedPath).samefile(LIGHTS / "card.png")
 
@@ -176,10 +213,46 @@ def test_every_attribute_goes_through(tmp_path: Path, times: int) -> None:
                 assert got == wanted, (name, key)
             else:
                 assert got == pytest.approx(tuple(wanted) if hasattr(wanted, "__len__") else wanted), (name, key)
-    assert compared == 38
+    assert compared == 40
     world, second = find_light(result, "env_light"), find_light(result, "Second")
     assert world.GetShadowLinkCollectionAPI().GetExcludesRel().GetTargets() == [Sdf.Path("/root/Set/Block/Block")]
     assert second.GetLightLinkCollectionAPI().GetExcludesRel().GetTargets() == [Sdf.Path("/root/Set/Ball/Ball")]
+
+
+def test_lengths_are_in_metres(tmp_path: Path) -> None:
+    """Those of the World's dome, too, where the export is in Blender's own unit."""
+    stage, _ = edited(MANY, tmp_path)
+    world, rect = find_light(stage, "env_light"), find_light(stage, "Rect")
+    lengths = [value(light, f"inputs:shadow:{name}") for light in (world, rect) for name in ("distance", "falloff")]
+    assert lengths == pytest.approx([0.03, 0.01, 0.015, 0.005])
+
+
+@pytest.mark.parametrize("merged", [False, True])
+def test_properties_of_others_stay(tmp_path: Path, merged: bool) -> None:
+    """An artist's own are exported as Blender does it, and one with a wrong name is told."""
+    stage, said = edited(LIGHTS / "rect.usda", tmp_path, "tag", f"merge_parent_xform={merged}")
+    light = find_light(stage, "Light")
+    holder = light.GetPrim() if merged else light.GetPrim().GetParent()
+    assert holder.GetAttribute("usd:assetTag").Get() == "lamp"
+    assert not holder.HasAttribute("usd:inputs:shaping:focus")
+    assert holder.GetParent().GetAttribute("usd:assetTag").Get() == "lamp"
+    assert holder.GetParent().GetAttribute("usd:inputs:shaping:focus").Get() == pytest.approx(0.25)
+    assert value(light, "inputs:shaping:focus") == 0.5
+    assert said.count("umber: Light: usd:inputs:shaping:fokus: a RectLight has no such attribute; left out") == 1
+
+
+@pytest.mark.parametrize(("name", "key"), [("rect_textured", "texture"), ("ies", "shaping:ies")])
+def test_exports_can_be_moved(tmp_path: Path, name: str, key: str) -> None:
+    """Files are named as seen from the stage, so that they are found where all is moved together."""
+    here, there = tmp_path / "here", tmp_path / "there"
+    shutil.copytree(LIGHTS, here / "lights")
+    (here / "shots").mkdir()
+    edited(here / "lights" / f"{name}.usda", here / "shots")
+    here.rename(there)
+    stage = Usd.Stage.Open(str(there / "shots" / f"{name}_none.usda"))
+    file = find_light(stage, "Light").GetPrim().GetAttribute(f"inputs:{key}:file").Get()
+    assert file.path.startswith("../lights/")
+    assert Path(file.resolvedPath).is_relative_to(there)
 
 
 def test_custom_properties_do_not_come_twice(tmp_path: Path) -> None:
@@ -204,9 +277,26 @@ def test_profile_inside_blender_gets_a_file(tmp_path: Path) -> None:
     stage, _ = edited(LIGHTS / "ies.usda", tmp_path, "profile_inside")
     light = find_light(stage, "Light")
     profile = light.GetPrim().GetAttribute("inputs:shaping:ies:file").Get()
+    assert profile.path == "./textures/two_beams.ies"
     assert Path(profile.resolvedPath).read_text() == (LIGHTS / "two_beams.ies").read_text()
     assert value(light, "inputs:shaping:cone:angle") == 180.0
     assert value(light, "inputs:shadow:enable") is False
+
+
+def test_profile_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    """A file in the place of its folder: the light loses the profile and nothing else."""
+    (tmp_path / "textures").write_text("")
+    stage, said = edited(LIGHTS / "ies.usda", tmp_path, "profile_inside")
+    light = find_light(stage, "Light")
+    assert said.count("umber: Light: the IES profile two_beams.ies is left out: ") == 1
+    assert value(light, "inputs:shaping:ies:file") is None
+    assert value(light, "inputs:shaping:focus") == 2.0
+
+
+def test_exports_without_names_are_told(tmp_path: Path) -> None:
+    """Links alone are enough to lose something."""
+    _, said = edited(LIGHTS / "rect.usda", tmp_path, "link", "author_blender_name=False")
+    assert said.count("as Author Blender Names is off") == 1
 
 
 def test_bad_properties_are_named(tmp_path: Path) -> None:
@@ -240,6 +330,22 @@ def test_properties_are_the_delegates_settings() -> None:
         delegate.pop(key)
     assert settings["final"] == delegate
     assert settings["viewport"] == delegate
+
+
+def test_limits_are_the_tables() -> None:
+    """Ranges and words are those of the table of settings, as far as Blender's properties reach."""
+    said = run([sys.executable, HERE / "blender_settings.py"])
+    limits = json.loads(next(line for line in said.splitlines() if line.startswith("{")))["limits"]
+    table, choice = ((SETTINGS / name).read_text() for name in ("table.rs", "choice.rs"))
+    ranges = re.findall(r'"([\w:]+)", Some\(\(([^,]+), ([^)]+)\)\)', table)
+    numbers = {key: [float(end.replace("_", "")) for end in ends] for key, *ends in ranges}
+    # The largest integer of Blender's.
+    numbers["umber:seed"][1] = 2.0**31 - 1.0
+    words = set(re.findall(r'^ +\w+ = "(\w+)",$', choice, re.MULTILINE))
+    assert {key: found for key, found in limits.items() if found and not isinstance(found[0], str)} == {
+        key: pytest.approx(ends) for key, ends in numbers.items()
+    }
+    assert {*limits["umber:integrator"], *limits["umber:rasterColor"]} == words
 
 
 def test_missing_renderer_is_told(tmp_path: Path) -> None:

@@ -6,12 +6,14 @@
 //!     hdUmber/hdUmber.so
 //!     hdUmber/resources/plugInfo.json
 //! target/hydra/blender/umber/         an add-on for Blender
-//!     __init__.py ...
+//!     __init__.py ..., LICENSE-*
 //!     plugin/                         as target/hydra/plugin/usd
 //! ```
 
 use std::{
-    env, fs,
+    env,
+    env::consts::{ARCH, OS},
+    fs,
     path::{Path, PathBuf},
     process::{Command, ExitCode, Stdio},
 };
@@ -144,7 +146,23 @@ fn lay_out_add_on(plugins: &Path) -> Result<PathBuf> {
     }
     copy_folder(&workspace::root().join("plugInfo/blender/umber"), &add_on)?;
     copy_folder(plugins, &add_on.join("plugin"))?;
+    for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        fs::copy(workspace::root().join(license), add_on.join(license)).context(license)?;
+    }
+    let manifest = add_on.join("blender_manifest.toml");
+    let content = fs::read_to_string(&manifest).with_context(|| manifest.display().to_string())?;
+    fs::write(&manifest, format!("platforms = [\"{}\"]\n{content}", platform(OS, ARCH)))?;
     Ok(add_on)
+}
+
+/// A platform as Blender's manifests name it: the renderer inside is built for one alone.
+fn platform(system: &str, processor: &str) -> String {
+    let processor = match processor {
+        "x86_64" => "x64",
+        "aarch64" => "arm64",
+        other => other,
+    };
+    format!("{system}-{processor}")
 }
 
 /// Copies a folder with all that is in it, but for what Python compiled.
@@ -178,7 +196,13 @@ fn replace(file: &Path, content: &[u8]) -> Result<()> {
 mod tests {
     use std::{env, fs, process};
 
-    use super::{built_library, copy_folder};
+    use super::{built_library, copy_folder, platform};
+
+    #[test]
+    fn platforms_are_named_as_blender_does() {
+        assert_eq!(platform("linux", "x86_64"), "linux-x64");
+        assert_eq!(platform("macos", "aarch64"), "macos-arm64");
+    }
 
     #[test]
     fn folders_are_copied_without_what_python_compiled() {

@@ -13,6 +13,8 @@ from . import properties
 PLUGIN_ID = "HdUmberRendererPlugin"
 PLUGIN_FOLDER = Path(__file__).parent / "plugin"
 PLUGIN_VARIABLE = "UMBER_PLUGIN_PATH"
+PREVIEW_SAMPLES = 32
+"""Most samples a pixel for the small pictures of materials and lights in Blender's panels."""
 
 
 class UmberEngine(bpy.types.HydraRenderEngine):
@@ -33,6 +35,9 @@ class UmberEngine(bpy.types.HydraRenderEngine):
         scene = bpy.context.scene
         viewport = engine_type == "VIEWPORT"
         settings = properties.by_key(scene.umber.viewport if viewport else scene.umber.final)
+        if engine_type == "PREVIEW":
+            key = "convergedSamplesPerPixel"
+            settings[key] = min(settings[key], PREVIEW_SAMPLES)
         settings["enableInteractive"] = viewport
         settings["domeLightCameraVisibility"] = not scene.render.film_transparent
         settings |= self.overrides

@@ -1,4 +1,4 @@
-"""Lights but the World: what of a UsdLux light Blender's objects hold, and how it gets back into a stage."""
+"""Lights that are objects in Blender: what of a UsdLux light they hold, and how it gets back into a stage."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from pxr import Usd, UsdGeom, UsdLux
 
-from . import lux, units
+from . import exported, lux, units
 from .report import warn
 
 STAND_INS = ("CylinderLight", "PortalLight", "GeometryLight")
@@ -97,7 +97,10 @@ def restore(holder: bpy.types.Object, prim: Usd.Prim) -> Usd.Prim | None:
 
 def remove_custom(holder: bpy.types.Object, prim: Usd.Prim) -> None:
     """Removes what Blender's exporter made of our custom properties: they are the light's, with UsdLux's types."""
-    for owner in (prim, prim.GetParent()):
+    owners = [prim]
+    if exported.object_name(prim.GetParent()) == holder.name:
+        owners.append(prim.GetParent())
+    for owner in owners:
         for name in lux.ours(holder):
             owner.RemoveProperty(name)
 
@@ -108,7 +111,9 @@ def restore_light(holder: bpy.types.Object, prim: Usd.Prim) -> None:
     placed = lux.has_place(prim.GetTypeName(), light)
     if light.shadow_soft_size == 0.0 and prim.GetTypeName() == "SphereLight":
         placed -= POINT_ATTRIBUTES
-        prim.RemoveProperty("extent")
+        if any(lux.PREFIX + name in holder for name in POINT_ATTRIBUTES):
+            # Blender's is of a point without size.
+            prim.RemoveProperty("extent")
     else:
         placed |= {"treatAsPoint"}
     lux.author(prim.GetAttribute("inputs:enableColorTemperature"), light.use_temperature)
@@ -120,23 +125,42 @@ def restore_light(holder: bpy.types.Object, prim: Usd.Prim) -> None:
     lux.restore(holder, prim, placed)
 
 
+def says_more(item: bpy.types.Object) -> bool:
+    """Whether Blender's exporter alone leaves out something of the object's light or links."""
+    linking, light = item.light_linking, item.data if isinstance(item.data, bpy.types.Light) else None
+    if lux.ours(item) or linking.receiver_collection or linking.blocker_collection:
+        return True
+    return light is not None and (not light.use_shadow or find_profile_node(light) is not None)
+
+
+def find_profile_node(light: bpy.types.Light) -> bpy.types.Node | None:
+    """The light's node with an IES profile."""
+    nodes = light.node_tree.nodes if light.use_nodes and light.node_tree else ()
+    return next(
+        (node for node in nodes if node.bl_idname == "ShaderNodeTexIES" and node.outputs["Fac"].is_linked), None
+    )
+
+
 def find_profile(light: bpy.types.Light, folder: Path) -> str:
     """The file of the IES profile among the light's nodes; empty where there is none.
 
     One that is a text inside Blender is written to a file in `folder`.
     """
-    nodes = light.node_tree.nodes if light.use_nodes and light.node_tree else ()
-    for node in nodes:
-        if node.bl_idname != "ShaderNodeTexIES" or not node.outputs["Fac"].is_linked:
-            continue
-        if node.mode == "EXTERNAL":
-            return node.filepath
-        if node.ies:
-            folder.mkdir(parents=True, exist_ok=True)
-            file = folder / f"{Path(bpy.path.clean_name(node.ies.name)).stem}.ies"
-            file.write_text(node.ies.as_string())
-            return str(file)
-    return ""
+    node = find_profile_node(light)
+    if node is None:
+        return ""
+    if node.mode == "EXTERNAL":
+        return node.filepath
+    if not node.ies:
+        return ""
+    file = folder / f"{bpy.path.clean_name(Path(node.ies.name).stem)}.ies"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file.write_text(node.ies.as_string(), encoding="utf-8")
+    except OSError as error:
+        warn(light.name, f"the IES profile {node.ies.name} is left out: {error}")
+        return ""
+    return str(file)
 
 
 def change_type(holder: bpy.types.Object, prim: Usd.Prim, schema: object, known: tuple[str, ...]) -> bool:

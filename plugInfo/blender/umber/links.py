@@ -14,15 +14,15 @@ from . import lux
 
 BLENDER_NAMES = {"lightLink": "receiver_collection", "shadowLink": "blocker_collection"}
 TITLES = {"lightLink": "Light", "shadowLink": "Shadow"}
-PREFIX = f"{lux.PREFIX}collection:"
-"""A World has no light linking in Blender: its collections are custom properties."""
 
 
-def keep(prim: Usd.Prim, holder: bpy.types.ID, imported: dict[Sdf.Path, list[bpy.types.Object]]) -> None:
-    """Makes Blender's collections of what the light `prim` reaches and of what casts shadows in it."""
-    geometry = {path: found for path, found in imported.items() if is_geometry(prim.GetStage().GetPrimAtPath(path))}
+def keep(prim: Usd.Prim, holder: bpy.types.ID, geometry: dict[Sdf.Path, list[bpy.types.Object]]) -> None:
+    """Makes Blender's collections of the `geometry` that the light `prim` reaches and that casts shadows in it."""
     for name, property_name in BLENDER_NAMES.items():
-        query = Usd.CollectionAPI(prim, name).ComputeMembershipQuery()
+        collection_api = Usd.CollectionAPI(prim, name)
+        if holds_all(collection_api):
+            continue
+        query = collection_api.ComputeMembershipQuery()
         lists: dict[str, list[bpy.types.Object]] = {"INCLUDE": [], "EXCLUDE": []}
         for path, found in geometry.items():
             lists["INCLUDE" if query.IsPathIncluded(path) else "EXCLUDE"].extend(found)
@@ -37,7 +37,20 @@ def keep(prim: Usd.Prim, holder: bpy.types.ID, imported: dict[Sdf.Path, list[bpy
         if isinstance(holder, bpy.types.Object):
             setattr(holder.light_linking, property_name, collection)
         else:
-            holder[PREFIX + name] = collection
+            holder[lux.COLLECTION + name] = collection
+
+
+def holds_all(collection: Usd.CollectionAPI) -> bool:
+    """Whether the collection says of itself that everything is in, as those of lights do where nothing is authored."""
+    lists = (collection.GetIncludesRel(), collection.GetExcludesRel())
+    return collection.GetIncludeRootAttr().Get() is True and not any(found.GetTargets() for found in lists)
+
+
+def find_geometry(
+    stage: Usd.Stage, imported: dict[Sdf.Path, list[bpy.types.Object]]
+) -> dict[Sdf.Path, list[bpy.types.Object]]:
+    """Those of the imported objects that light can fall on, by their prims."""
+    return {path: found for path, found in imported.items() if is_geometry(stage.GetPrimAtPath(path))}
 
 
 def is_geometry(prim: Usd.Prim) -> bool:
@@ -52,7 +65,7 @@ def restore(holder: bpy.types.ID, light: Usd.Prim, drawn: dict[str, list[Usd.Pri
         if isinstance(holder, bpy.types.Object):
             collection = getattr(holder.light_linking, property_name)
         else:
-            collection = holder.get(PREFIX + name)
+            collection = holder.get(lux.COLLECTION + name)
         if not isinstance(collection, bpy.types.Collection):
             continue
         included, excluded = members(collection)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import bpy
 from pxr import Ar, Gf, Sdf, Usd
 
+from . import exported
 from .report import warn
 
 PREFIX = "usd:"
@@ -15,6 +18,12 @@ PREFIX = "usd:"
 
 SCHEMA = f"{PREFIX}light"
 """Custom property that names the UsdLux schema, where Blender has no such light: CylinderLight, MeshLightAPI …"""
+
+DOME = f"{PREFIX}dome"
+"""Custom property of a portal: the object that is its dome. The World where there is none."""
+
+COLLECTION = f"{PREFIX}collection:"
+"""Start of the custom properties of a World that are its collections for linking: Blender links objects alone."""
 
 ATTRIBUTE_STARTS = ("inputs:", "light:materialSyncMode", "treatAs", "poleAxis", "guideRadius")
 APIS_BY_START = {"inputs:shaping:": "ShapingAPI", "inputs:shadow:": "ShadowAPI"}
@@ -80,7 +89,8 @@ def keep_value(holder: bpy.types.ID, name: str, value: Any) -> None:  # noqa: AN
 def restore(holder: bpy.types.ID, prim: Usd.Prim, without: frozenset[str] = frozenset()) -> None:
     """Writes the custom properties of `holder` that are attributes of the light `prim` back to it.
 
-    One whose value the attribute does not take is named in a warning and left out.
+    One that the light has no attribute for, or whose value the attribute does not take, is named in a warning and left
+    out.
     """
     for key in ours(holder):
         name = key.removeprefix(PREFIX)
@@ -89,11 +99,15 @@ def restore(holder: bpy.types.ID, prim: Usd.Prim, without: frozenset[str] = froz
         apply_api_of(prim, name)
         if prim.GetPrimDefinition().GetSchemaAttributeSpec(name):
             restore_value(holder.name, key, holder[key], prim.GetAttribute(name))
+        else:
+            warn(holder.name, f"{key}: a {prim.GetTypeName()} has no such attribute; left out")
 
 
 def ours(holder: bpy.types.ID) -> list[str]:
     """Names of the custom properties that are for a light."""
-    return [key for key in holder.keys() if key.startswith(PREFIX)]  # noqa: SIM118 (Blender's objects do not iterate)
+    starts = (COLLECTION, *(PREFIX + start for start in ATTRIBUTE_STARTS))
+    keys = holder.keys()
+    return [key for key in keys if key in (SCHEMA, DOME) or key.startswith(starts)]
 
 
 def restore_value(owner: str, name: str, value: Any, attribute: Usd.Attribute) -> None:  # noqa: ANN401
@@ -106,7 +120,22 @@ def restore_value(owner: str, name: str, value: Any, attribute: Usd.Attribute) -
         return
     if isinstance(converted, Sdf.AssetPath) and converted.path and not Ar.GetResolver().Resolve(converted.path):
         warn(owner, f"{name} = {value!r}: there is no such file")
+    elif isinstance(converted, Sdf.AssetPath):
+        converted = beside(attribute.GetStage(), converted)
     author(attribute, converted)
+
+
+def beside(stage: Usd.Stage, asset: Sdf.AssetPath) -> Sdf.AssetPath:
+    """The asset as seen from the stage's file, so that both can be moved together; as it is where nobody keeps it."""
+    if exported.is_temporary(stage) or not os.path.isabs(asset.path):
+        return asset
+    try:
+        path = os.path.relpath(asset.path, Path(stage.GetRootLayer().realPath).parent)
+    except ValueError:
+        # on another drive
+        return asset
+    path = path.replace(os.sep, "/")
+    return Sdf.AssetPath(path if path.startswith("../") else f"./{path}")
 
 
 def author(attribute: Usd.Attribute, value: Any) -> None:  # noqa: ANN401

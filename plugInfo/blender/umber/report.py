@@ -1,4 +1,4 @@
-"""Warnings, each said once: an export runs at every edit of the viewport."""
+"""Warnings, each said once by all renders of a file: an export runs at every edit of the viewport."""
 
 from __future__ import annotations
 
@@ -13,11 +13,16 @@ _said: set[str] = set()
 
 
 def warn(name: str, what: str) -> None:
-    """Says `what` is wrong with the object or prim `name`, the first time that it is."""
+    """Says `what` is wrong with the object or prim `name`, unless it was said since the last `forget`."""
     message = f"umber: {name}: {what}"
     if message not in _said:
         _said.add(message)
         LOG.warning(message)
+
+
+def forget() -> None:
+    """Lets everything be said again."""
+    _said.clear()
 
 
 @contextmanager

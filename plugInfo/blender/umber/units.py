@@ -15,8 +15,13 @@ LENGTHS = ("inputs:shadow:distance", "inputs:shadow:falloff")
 INTENSITY = "inputs:intensity"
 
 
-def blender_per_stage(prim: Usd.Prim, holder: bpy.types.Object) -> float:
-    """Blender's units in one of the stage's, as the importer took them: the importer has its own options."""
+def blender_per_stage(prim: Usd.Prim, holder: bpy.types.Object | bpy.types.World) -> float:
+    """Blender's units in one of the stage's, as the importer took them: the importer has its own options.
+
+    Metres for a World, which has no transform to read them from.
+    """
+    if isinstance(holder, bpy.types.World):
+        return UsdGeom.GetStageMetersPerUnit(prim.GetStage())
     in_stage = abs(UsdGeom.XformCache().GetLocalToWorldTransform(prim).GetDeterminant())
     in_blender = abs(holder.matrix_world.determinant())
     return (in_blender / in_stage) ** (1.0 / 3.0) if in_stage > 0.0 else 1.0
@@ -28,7 +33,7 @@ def goes_by_area(prim: Usd.Prim) -> bool:
     return not anywhere and UsdLux.LightAPI(prim).GetNormalizeAttr().Get(Usd.TimeCode.EarliestTime()) is True
 
 
-def scale_kept(prim: Usd.Prim, holder: bpy.types.Object) -> None:
+def scale_kept(prim: Usd.Prim, holder: bpy.types.Object | bpy.types.World) -> None:
     """Turns what was kept of the light `prim` into Blender's units."""
     scale = blender_per_stage(prim, holder)
     if is_one(scale):

@@ -11,13 +11,8 @@ from collections.abc import Iterator
 import bpy
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
-from . import lights, links, lux, meshes, world
-from .report import guarded, never_raises, warn
-
-OBJECT_NAME = "userProperties:blender:object_name"
-DATA_NAME = "userProperties:blender:data_name"
-DOME = f"{lux.PREFIX}dome"
-"""Custom property of a portal: the object that is its dome. The World where there is none."""
+from . import exported, lights, links, lux, meshes, world
+from .report import forget, guarded, never_raises, warn
 
 
 class UmberUsdHook(bpy.types.USDHook):
@@ -31,17 +26,22 @@ class UmberUsdHook(bpy.types.USDHook):
     @never_raises
     def on_import(context: object) -> None:
         """Keeps what Blender's importer dropped."""
+        forget()
         stage, items = context.get_stage(), context.get_prim_map()
         keep_lights(stage, find_imported(items), bpy.context.scene)
         for path, found in items.items():
-            for mesh in (item for item in found if isinstance(item, bpy.types.Mesh)):
-                meshes.keep_facets(stage.GetPrimAtPath(path), mesh)
+            with guarded(str(path)):
+                for mesh in (item for item in found if isinstance(item, bpy.types.Mesh)):
+                    meshes.keep_facets(stage.GetPrimAtPath(path), mesh)
 
     @staticmethod
     @never_raises
     def on_export(context: object) -> None:
         """Restores it in the stage that Blender exported."""
-        restore_lights(context.get_stage(), context.get_depsgraph().scene)
+        stage = context.get_stage()
+        if not exported.is_temporary(stage):
+            forget()
+        restore_lights(stage, context.get_depsgraph().scene)
 
 
 def find_imported(items: dict[Sdf.Path, list[bpy.types.ID]]) -> dict[Sdf.Path, list[bpy.types.Object]]:
@@ -58,23 +58,32 @@ def find_imported(items: dict[Sdf.Path, list[bpy.types.ID]]) -> dict[Sdf.Path, l
 def keep_lights(stage: Usd.Stage, imported: dict[Sdf.Path, list[bpy.types.Object]], scene: bpy.types.Scene) -> None:
     """Keeps all lights of a stage: at the objects that Blender made of them, in the World, or at new empties."""
     portals: dict[Sdf.Path, bpy.types.Object] = {}
-    world_is_taken = False
+    has_domes, is_first = True, True
+    geometry = links.find_geometry(stage, imported)
     bpy.context.view_layer.update()
     for prim in find_lights(stage):
         with guarded(str(prim.GetPath())):
             holders = imported.get(prim.GetPath(), [])
-            for holder in holders:
-                lights.keep(prim, holder)
-            if world.is_dome(prim) and is_visible(prim):
-                holders = [keep_dome(prim, scene)] if world_is_taken else world.keep(prim, scene)
-                if world_is_taken:
+            if world.is_dome(prim):
+                # Blender makes an object of a dome only where it was told to import no lights.
+                if holders or not has_domes or not is_visible(prim):
+                    continue
+                if is_first:
+                    is_first, kept = False, world.keep(prim, scene)
+                    has_domes = kept is not None
+                    holders = [kept] if kept else []
+                else:
+                    holders = [keep_dome(prim, scene)]
                     portals |= dict.fromkeys(prim.GetRelationship("portals").GetTargets(), holders[0])
-                world_is_taken = True
+            else:
+                for holder in holders:
+                    lights.keep(prim, holder)
             for holder in holders:
-                links.keep(prim, holder, imported)
+                links.keep(prim, holder, geometry)
     for path, dome in portals.items():
-        for portal in imported.get(path, []):
-            portal[DOME] = dome
+        with guarded(str(path)):
+            for portal in imported.get(path, []):
+                portal[lux.DOME] = dome
 
 
 def find_lights(stage: Usd.Stage) -> Iterator[Usd.Prim]:
@@ -100,17 +109,19 @@ def keep_dome(prim: Usd.Prim, scene: bpy.types.Scene) -> bpy.types.Object:
 
 def restore_lights(stage: Usd.Stage, scene: bpy.types.Scene) -> None:
     """Restores all lights in an exported stage."""
-    exported = find_exported(stage)
-    if not exported and any(lux.ours(item) for item in scene.objects):
-        warn(scene.name, "lights are exported without what their custom properties say, as Author Blender Names is off")
+    prims_by_name = exported.find_exported(stage)
+    if not prims_by_name and any(lights.says_more(item) for item in scene.objects):
+        warn(
+            scene.name, "lights are exported without what Blender's exporter leaves out, as Author Blender Names is off"
+        )
     lit: list[tuple[bpy.types.ID, Usd.Prim]] = []
-    for name, prims in exported.items():
-        holder = bpy.data.objects.get(name)
+    for name, prims in prims_by_name.items():
+        holder = scene.objects.get(name) or bpy.data.objects.get(name)
         for prim in prims if holder else ():
             with guarded(name):
                 if restored := lights.restore(holder, prim):
                     lit.append((holder, restored))
-    if scene.world and (dome := find_world_dome(stage)):
+    if scene.world and (dome := exported.find_world_dome(stage)):
         with guarded(scene.world.name):
             world.restore(scene.world, dome)
             if any(world.is_dome(prim) for _, prim in lit):
@@ -118,45 +129,11 @@ def restore_lights(stage: Usd.Stage, scene: bpy.types.Scene) -> None:
                 others = [name for name in dome.GetParent().GetAllChildrenNames() if name != dome.GetName()]
                 dome.GetParent().SetChildrenReorder([dome.GetName(), *others])
             lit.append((scene.world, dome))
-    drawn = find_drawn(exported)
+    drawn = exported.find_drawn(prims_by_name)
     for holder, prim in lit:
         with guarded(holder.name):
             links.restore(holder, prim, drawn)
     connect_portals(lit)
-
-
-def find_exported(stage: Usd.Stage) -> dict[str, list[Usd.Prim]]:
-    """What Blender's objects became, by their names: the prims with the data, else the objects' own."""
-    exported = defaultdict(list)
-    for prim in stage.Traverse():
-        if name := prim.GetAttribute(OBJECT_NAME):
-            candidates = (prim, *(child for child in prim.GetChildren() if not child.HasAttribute(OBJECT_NAME)))
-            exported[name.Get()].extend([found for found in candidates if found.HasAttribute(DATA_NAME)] or [prim])
-    return exported
-
-
-def find_drawn(exported: dict[str, list[Usd.Prim]]) -> dict[str, list[Usd.Prim]]:
-    """What of it light can reach: beside an object's data its instances, but not the objects that are its children."""
-    drawn = {}
-    for name, prims in exported.items():
-        merged = [prim for prim in prims if prim.HasAttribute(OBJECT_NAME)]
-        beside = (child for prim in prims if prim not in merged for child in prim.GetParent().GetChildren())
-        drawn[name] = merged + [child for child in beside if is_part(child, name)]
-    return drawn
-
-
-def is_part(prim: Usd.Prim, owner: str) -> bool:
-    """Whether a prim below that of the object `owner` is its data or an instance, and not a child of its own."""
-    if not prim.HasAttribute(OBJECT_NAME):
-        return True
-    item = bpy.data.objects.get(prim.GetAttribute(OBJECT_NAME).Get())
-    return item is not None and (item.parent is None or item.parent.name != owner)
-
-
-def find_world_dome(stage: Usd.Stage) -> Usd.Prim | None:
-    """The dome light that Blender made of the World: the one that no object became."""
-    domes = (prim for prim in stage.Traverse() if prim.IsA(UsdLux.DomeLight) and not prim.HasAttribute(OBJECT_NAME))
-    return next(domes, None)
 
 
 def connect_portals(lit: list[tuple[bpy.types.ID, Usd.Prim]]) -> None:
@@ -164,7 +141,7 @@ def connect_portals(lit: list[tuple[bpy.types.ID, Usd.Prim]]) -> None:
     portals = defaultdict(list)
     for holder, prim in lit:
         if prim.IsA(UsdLux.PortalLight):
-            dome = holder.get(DOME)
+            dome = holder.get(lux.DOME)
             portals[dome.name if isinstance(dome, bpy.types.Object) else None].append(prim.GetPath())
     for holder, prim in lit:
         targets = portals.get(holder.name if isinstance(holder, bpy.types.Object) else None)
@@ -172,11 +149,19 @@ def connect_portals(lit: list[tuple[bpy.types.ID, Usd.Prim]]) -> None:
             prim.GetRelationship("portals").SetTargets(targets)
 
 
+@bpy.app.handlers.persistent
+def on_load(*_: object) -> None:
+    """What was said of one file may be said of the next."""
+    forget()
+
+
 def register() -> None:
     """Registers the hooks."""
     bpy.utils.register_class(UmberUsdHook)
+    bpy.app.handlers.load_post.append(on_load)
 
 
 def unregister() -> None:
     """Takes the hooks back."""
+    bpy.app.handlers.load_post.remove(on_load)
     bpy.utils.unregister_class(UmberUsdHook)
