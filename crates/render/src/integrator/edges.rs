@@ -70,9 +70,9 @@ impl EdgeMap {
 /// How many rays pay in a pixel, by what is seen at the 16 points of the lattice around it, of which column and row 1
 /// and 2 are its corners.
 ///
-/// Of `n` rays, which are spread evenly, the error is as `n`⁻¹·⁵. Where one ray more is to bring as much as its cost
-/// brings elsewhere, their number goes as the relative variance of what shines to the power of 0.4; the factor is that
-/// of 64 samples of the many lamps and of the chess set.
+/// Of `n` rays at a straight rim, which are spread evenly, the squared error falls about as `n`⁻¹·⁵. Where one ray more
+/// is to bring as much as its cost brings elsewhere, their number goes as the relative variance of what shines to the
+/// power of 0.4. The factor is reckoned from the errors and costs of 64 samples of many lamps and of the chess set.
 fn rays_for(seen: impl Fn([usize; 2]) -> Option<Seen>, lamp: Option<&Seen>) -> u8 {
     let (mut weights, mut emitted, mut squared, mut all) = (0.0, 0.0, 0.0, 0.0);
     let around = (0..16).filter_map(|i| {
