@@ -66,7 +66,7 @@ settings! {
         "Mirror Roughness", "Scale of the normally distributed vector that the integrator mirror adds to each reflected direction.";
     max_bounces: u32 = 8, "umber:maxBounces", Some((0.0, 1024.0)),
         "Max Bounces", "Scattering events a path may have; 0 shows emission alone, 1 direct light.";
-    roulette_bounces: u32 = 3, "umber:rouletteBounces", Some((0.0, 1024.0)),
+    roulette_bounces: u32 = 1, "umber:rouletteBounces", Some((0.0, 1024.0)),
         "Russian Roulette From", "Scattering events after which dim paths may be ended at random, without bias.";
     path_reuse: bool = true, "umber:pathReuse", None,
         "Path Reuse", "Whether neighbouring pixels share what their paths find, without bias, where a trial at the start shows that it pays.";

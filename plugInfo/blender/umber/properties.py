@@ -77,7 +77,7 @@ LIGHT_PATHS = (
         "umber:rouletteBounces",
         "roulette_bounces",
         "Russian Roulette From",
-        3,
+        1,
         "Scattering events after which dim paths may be ended at random, without bias",
         {"min": 0, "max": 1024, "soft_max": 32},
     ),

@@ -107,37 +107,41 @@ impl<'a> Guided<'a> {
         }
         value
     }
-    /// As [`Bsdf::sample`]; `aim` gives a number in [0, 1) that decides whether it aims, and where.
+    /// As [`Bsdf::sample`], and how many times as dense as by the BSDF alone such samples are; `aim` gives a number in
+    /// [0, 1) that decides whether it aims, and where.
     #[inline(always)]
-    pub fn sample(&self, wo: Vector3, aim: impl FnOnce() -> f32, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let Some(places) = self.places else { return self.bsdf.sample(wo, u_lobe, u) };
+    pub fn sample(&self, wo: Vector3, aim: impl FnOnce() -> f32, u_lobe: f32, u: Vec2) -> Option<(BsdfSample, f32)> {
+        let Some(places) = self.places else { return self.bsdf.sample(wo, u_lobe, u).map(|sample| (sample, 1.0)) };
         let aim = aim() / SHARE;
         if aim < 1.0 {
             return self.aimed(places, wo, aim, u);
         }
         let mut sample = self.bsdf.sample(wo, u_lobe, u)?;
+        let of_bsdf = sample.pdf_solid_angle;
         sample.pdf_solid_angle = match sample.lobe {
-            LobeKind::Delta => (1.0 - SHARE) * sample.pdf_solid_angle,
-            LobeKind::Diffuse | LobeKind::Glossy => self.mixed(places, sample.pdf_solid_angle, sample.wi),
+            LobeKind::Delta => (1.0 - SHARE) * of_bsdf,
+            LobeKind::Diffuse | LobeKind::Glossy => self.mixed(places, of_bsdf, sample.wi),
         };
-        Some(sample)
+        Some((sample, sample.pdf_solid_angle / of_bsdf))
     }
     #[inline(never)]
-    fn aimed(&self, places: &Places, wo: Vector3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+    fn aimed(&self, places: &Places, wo: Vector3, choice: f32, u: Vec2) -> Option<(BsdfSample, f32)> {
         let place = ((choice * PLACES as f32) as usize).min(PLACES - 1);
         let cone = places.cone(place, self.point)?;
         let local = warp::uniform_cone(u, cone.one_minus_cos);
         let wi = Frame::from_normal(Normal3(cone.axis.0)).from_local(local);
         let value = self.bsdf.evaluate(wo, wi);
         let of_places = places.pdf_of_aimed(place, self.point, wi);
-        (!value.f().is_black()).then(|| BsdfSample {
+        let pdf_solid_angle = (1.0 - SHARE) * value.pdf_solid_angle + SHARE * of_places;
+        let sample = BsdfSample {
             f: value.f(),
             f_diffuse: value.diffuse,
             wi,
             cos_theta: self.bsdf.cos_theta(wi),
-            pdf_solid_angle: (1.0 - SHARE) * value.pdf_solid_angle + SHARE * of_places,
+            pdf_solid_angle,
             lobe: if value.glossy.is_black() { LobeKind::Diffuse } else { LobeKind::Glossy },
-        })
+        };
+        (!value.f().is_black()).then_some((sample, pdf_solid_angle / value.pdf_solid_angle))
     }
     /// Density of a direction that the BSDF alone makes with the density `of_bsdf`.
     #[inline]
@@ -174,7 +178,7 @@ mod tests {
         };
         let sample = |u| {
             let lobe = random();
-            guided.sample(wo, &mut random, lobe, u).map(|sample| sample.wi)
+            guided.sample(wo, &mut random, lobe, u).map(|(sample, _)| sample.wi)
         };
         let options = Chi2Options { min_depth: 3, ..Chi2Options::default() };
         let outcome = test_sphere(options, sample, |wi| guided.evaluate(wo, wi).pdf_solid_angle * above(wi));
@@ -198,7 +202,7 @@ mod tests {
             for i in 0..10_000 {
                 // along the rim, where u.x is 1
                 let u = Vec2::new(1.0 - f32::EPSILON, i as f32 / 10_000.0);
-                let sample = guided.sample(Vector3::new(0.0, 0.0, 1.0), || 0.1, 0.0, u).unwrap();
+                let (sample, _) = guided.sample(Vector3::new(0.0, 0.0, 1.0), || 0.1, 0.0, u).unwrap();
                 assert!(sample.pdf_solid_angle >= 0.999 * least, "{radius}: {} and {least}", sample.pdf_solid_angle);
             }
         }
