@@ -1,5 +1,7 @@
 //! Where caustics lie, and from where their light comes.
 
+use std::array;
+
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use umber_math::{Point3, Vec3};
@@ -49,14 +51,12 @@ impl Cell {
         CELL * power_of_two(self.level())
     }
     /// That of a point and those of the points one edge away along each axis, each cell once.
-    fn around(point: Vec3) -> Vec<Self> {
+    fn around(point: Vec3) -> impl Iterator<Item = Self> {
         let edge = Self::of(point).edge();
-        let step = |i: i32, shift: i32| (i / 3i32.pow(shift as u32) % 3 - 1) as f32 * edge;
-        let mut cells: Vec<_> =
-            (0..27).map(|i| Self::of(point + Vec3::new(step(i, 0), step(i, 1), step(i, 2)))).collect();
+        let step = |i: usize, shift: u32| (i / 3usize.pow(shift) % 3) as f32 * edge - edge;
+        let mut cells: [Self; 27] = array::from_fn(|i| Self::of(point + Vec3::new(step(i, 0), step(i, 1), step(i, 2))));
         cells.sort_unstable();
-        cells.dedup();
-        cells
+        (0..cells.len()).filter(move |i| *i == 0 || cells[*i] != cells[*i - 1]).map(move |i| cells[i])
     }
 }
 
@@ -83,41 +83,47 @@ impl CausticMap {
 fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
     // each counts in the cells around its own too: few landings are to fill many cells
     let of_landing =
-        |(landing, i): (&Landing, u32)| Cell::around(landing.point.0 - eye.0).into_iter().map(move |cell| (cell, i));
-    let mut entries: Vec<(Cell, u32)> = landings.iter().zip(0..).flat_map(of_landing).collect();
+        |(i, landing): (usize, &Landing)| Cell::around(landing.point.0 - eye.0).map(move |cell| (cell, i as u32));
+    let mut entries: Vec<(Cell, u32)> = landings.par_iter().enumerate().flat_map_iter(of_landing).collect();
     entries.par_sort_unstable();
     let cells = entries.par_chunk_by(|a, b| a.0 == b.0).filter_map(|entries| {
         let cell = entries[0].0;
-        let of_cell: Vec<&Landing> = entries.iter().map(|(_, i)| &landings[*i as usize]).collect();
-        Some((cell, places(&of_cell, cell.edge())?))
+        Some((cell, places(entries.iter().map(|(_, i)| &landings[*i as usize]), cell.edge())?))
     });
-    cells.collect()
+    // in one go: a table that grows is filled many times
+    cells.collect::<Vec<_>>().into_iter().collect()
 }
 
 /// The places that a cell's caustics come from: of all, as often as they matter. `None` where nothing is a caustic.
-fn places(landings: &[&Landing], edge: f32) -> Option<Places> {
-    let direct = landings.iter().map(|landing| landing.direct).sum::<f32>() / landings.len() as f32;
-    let bright = || landings.iter().filter(|landing| landing.reflected > BRIGHT * direct);
+fn places<'a>(landings: impl ExactSizeIterator<Item = &'a Landing> + Clone, edge: f32) -> Option<Places> {
+    let direct = landings.clone().map(|landing| landing.direct).sum::<f32>() / landings.len() as f32;
+    let bright = || landings.clone().filter(|landing| landing.reflected > BRIGHT * direct);
     let sum: f64 = bright().map(|landing| f64::from(landing.weight)).sum();
     // systematic resampling: one for each PLACES-th part of the weights
-    let (mut passed, mut centers) = (0.0, Vec::with_capacity(PLACES));
+    let (mut passed, mut count, mut centers) = (0.0, 0, [Point3::default(); PLACES]);
     for landing in bright() {
         passed += f64::from(landing.weight) / sum;
-        while centers.len() < PLACES && (centers.len() as f64 + 0.5) / PLACES as f64 <= passed {
-            centers.push(landing.origin);
+        while count < PLACES && (count as f64 + 0.5) / PLACES as f64 <= passed {
+            centers[count] = landing.origin;
+            count += 1;
         }
     }
-    let centers: [Point3; PLACES] = centers.try_into().ok()?;
-    Some(Places::new(centers.map(|center| (center, radius(center, &centers, edge)))))
+    (count == PLACES).then(|| Places::new(centers.map(|center| (center, radius(center, &centers, edge)))))
 }
 
 /// How far around a place there may be others: as far as from it to the second of those that are known.
-fn radius(center: Point3, centers: &[Point3], edge: f32) -> f32 {
-    let mut apart: Vec<f32> = centers.iter().map(|other| other.distance(center)).filter(|d| *d > 0.0).collect();
-    apart.sort_by(f32::total_cmp);
-    apart.dedup();
+fn radius(center: Point3, centers: &[Point3; PLACES], edge: f32) -> f32 {
+    let [mut nearest, mut second] = [f32::INFINITY; 2];
+    for distance in centers.map(|other| other.distance(center)) {
+        if 0.0 < distance && distance < nearest {
+            (nearest, second) = (distance, nearest);
+        } else if nearest < distance && distance < second {
+            second = distance;
+        }
+    }
     let [least, most] = RADIUS_BOUNDS.map(|bound| bound * edge);
-    apart.get(1).or(apart.first()).map_or(0.25 * edge, |distance| (RADIUS * distance).clamp(least, most))
+    let known = [second, nearest].into_iter().find(|distance| distance.is_finite());
+    known.map_or(0.25 * edge, |distance| (RADIUS * distance).clamp(least, most))
 }
 
 #[cfg(test)]
@@ -141,10 +147,9 @@ mod tests {
 
     #[test]
     fn what_lies_around_a_point_has_each_cell_once() {
-        let around = Cell::around(Vec3::new(0.0, 0.0, 1.5));
-        assert_eq!(around.len(), 27);
+        assert_eq!(Cell::around(Vec3::new(0.0, 0.0, 1.5)).count(), 27);
         // where cells grow, cells of both sizes
-        let around = Cell::around(Vec3::new(0.0, 0.0, 2.0));
+        let around: Vec<_> = Cell::around(Vec3::new(0.0, 0.0, 2.0)).collect();
         assert!(around.iter().any(|cell| cell.level() == 0) && around.iter().any(|cell| cell.level() == 1));
     }
 
@@ -156,11 +161,11 @@ mod tests {
     fn places_are_as_many_as_their_weights() {
         let landings = [landing(1.0, 3.0, 100.0), landing(2.0, 1.0, 100.0), landing(3.0, 100.0, 2.0)];
         let at = |x: f32| (Point3(Vec3::new(x, 0.0, 0.0)), 0.75f32);
-        let expected: [_; PLACES] = std::array::from_fn(|i| at(if i < 6 { 1.0 } else { 2.0 }));
+        let expected: [_; PLACES] = array::from_fn(|i| at(if i < 6 { 1.0 } else { 2.0 }));
         // what is no brighter than direct light is no caustic, whatever its weight
         let edge = 0.75;
         let [a, b, c] = &landings;
-        assert_eq!(places(&[a, b, c], edge), Some(Places::new(expected)));
-        assert_eq!(places(&[c], edge), None);
+        assert_eq!(places([a, b, c].into_iter(), edge), Some(Places::new(expected)));
+        assert_eq!(places([c].into_iter(), edge), None);
     }
 }
