@@ -56,8 +56,6 @@ pub struct RenderScene {
     pub(crate) edges: Option<EdgeMap>,
 }
 
-/// Vertices of a path, from the camera on, that are led to caustics: later ones bring too little to pay for it.
-const LED_BOUNCES: u32 = 3;
 /// Rays that went through surfaces which are not there end after so many of them.
 pub(crate) const MAX_PASSES: u32 = 1024;
 
@@ -65,7 +63,7 @@ impl RenderScene {
     /// The BSDF at a vertex of a path, 0 for the first behind the camera, led to where caustics there come from.
     #[inline(always)]
     pub fn guided(&self, bsdf: Bsdf, point: Point3, bounce: u32) -> Guided<'_> {
-        let is_led = bounce < LED_BOUNCES && bsdf.scatters() && (self.light_tracing.is_none() || bounce > 0);
+        let is_led = bsdf.scatters() && (self.light_tracing.is_none() || bounce > 0);
         let places = self.caustics.as_ref().filter(|_| is_led).and_then(|map| map.places(point));
         Guided::new(bsdf, point, places)
     }
