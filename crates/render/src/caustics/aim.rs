@@ -107,8 +107,8 @@ impl<'a> Guided<'a> {
         }
         value
     }
-    /// As [`Bsdf::sample`], and how many times as dense as by the BSDF alone such samples are; `aim` gives a number in
-    /// [0, 1) that decides whether it aims, and where.
+    /// As [`Bsdf::sample`], and how many times as dense as by the BSDF alone such samples are, infinitely where that makes
+    /// none; `aim` gives a number in [0, 1) that decides whether it aims, and where.
     #[inline(always)]
     pub fn sample(&self, wo: Vector3, aim: impl FnOnce() -> f32, u_lobe: f32, u: Vec2) -> Option<(BsdfSample, f32)> {
         let Some(places) = self.places else { return self.bsdf.sample(wo, u_lobe, u).map(|sample| (sample, 1.0)) };
@@ -178,7 +178,10 @@ mod tests {
         };
         let sample = |u| {
             let lobe = random();
-            guided.sample(wo, &mut random, lobe, u).map(|(sample, _)| sample.wi)
+            let (sample, denser) = guided.sample(wo, &mut random, lobe, u)?;
+            let of_bsdf = bsdf.evaluate(wo, sample.wi).pdf_solid_angle;
+            assert!((denser * of_bsdf / sample.pdf_solid_angle - 1.0).abs() < 1e-4, "{denser}");
+            Some(sample.wi)
         };
         let options = Chi2Options { min_depth: 3, ..Chi2Options::default() };
         let outcome = test_sphere(options, sample, |wi| guided.evaluate(wo, wi).pdf_solid_angle * above(wi));

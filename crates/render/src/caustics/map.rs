@@ -150,6 +150,7 @@ mod tests {
         assert_eq!(Cell::around(Vec3::new(0.0, 0.0, 1.5)).count(), 27);
         // where cells grow, cells of both sizes
         let around: Vec<_> = Cell::around(Vec3::new(0.0, 0.0, 2.0)).collect();
+        assert!(around.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(around.iter().any(|cell| cell.level() == 0) && around.iter().any(|cell| cell.level() == 1));
     }
 
@@ -167,5 +168,20 @@ mod tests {
         let [a, b, c] = &landings;
         assert_eq!(places([a, b, c].into_iter(), edge), Some(Places::new(expected)));
         assert_eq!(places([c].into_iter(), edge), None);
+    }
+
+    #[test]
+    fn places_reach_as_far_as_the_second_of_the_others() {
+        let at = |x: f32| Point3(Vec3::new(x, 0.0, 0.0));
+        let mut centers = [at(0.0); PLACES];
+        let radius = |centers: &_| radius(at(0.0), centers, 100.0);
+        assert_eq!(radius(&centers), 25.0);
+        // however often each is there
+        centers[5] = at(3.0);
+        assert_eq!(radius(&centers), 4.5);
+        centers[2] = at(3.0);
+        assert_eq!(radius(&centers), 4.5);
+        (centers[3], centers[6]) = (at(5.0), at(4.0));
+        assert_eq!(radius(&centers), 6.0);
     }
 }

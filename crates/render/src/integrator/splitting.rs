@@ -15,6 +15,7 @@ use std::ops::Range;
 use umber_settings::{Integrator, Settings};
 
 use super::tile::MANY_SAMPLES;
+use crate::adaptive;
 
 pub(crate) use gain::pays;
 
@@ -23,7 +24,7 @@ pub(crate) use gain::pays;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Splitting([u32; 2]);
 
-/// A pixel's first samples, of whose rays there are to be many soon. Whole runs of all that share one.
+/// A pixel's first samples, whose rays may be more than later ones'. Whole runs of all that share one.
 const FIRST: u32 = 16;
 
 impl Splitting {
@@ -49,8 +50,8 @@ impl Splitting {
         let late = if path_group > 1 { 2 } else { 4 };
         let early = match () {
             () if may_end_early => 1,
-            // the first samples decide about the others, and are to be off by as much
-            () if settings.converged_variance >= 0.0 => late,
+            // the pilot decides about the samples to come, and is to be off by as much
+            () if settings.converged_variance >= 0.0 && adaptive::pilot(samples) < samples / 2 => late,
             () => 2,
         };
         Self([early, late])
@@ -84,8 +85,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn first_samples_share_rays_by_what_they_are_for() {
+        let wanted = |changes: &[(&str, &str)]| {
+            let mut settings = Settings::default();
+            for (key, value) in [("convergedSamplesPerPixel", "64"), ("enableInteractive", "0")].iter().chain(changes) {
+                settings.set_from_text(key, value).unwrap();
+            }
+            [1, 4].map(|group| Splitting::wanted(&settings, group).0)
+        };
+        assert_eq!(wanted(&[]), [[2, 4], [2, 2]]);
+        assert_eq!(wanted(&[("convergedVariance", "0.01")]), [[4, 4], [2, 2]]);
+        // hardly more than a pilot
+        assert_eq!(wanted(&[("convergedVariance", "0.01"), ("convergedSamplesPerPixel", "32")])[0], [2, 4]);
+        assert_eq!(wanted(&[("convergedVariance", "0.01"), ("enableInteractive", "1")]), [[1, 4], [1, 2]]);
+        assert_eq!(wanted(&[("umber:pathSplitting", "0")]), [[1, 1]; 2]);
+        assert_eq!(wanted(&[("convergedSamplesPerPixel", "15")]), [[1, 1]; 2]);
+    }
+
+    #[test]
     fn samples_with_the_same_ray_follow_each_other() {
-        for splitting in [[1, 1], [1, 4], [2, 2], [2, 4]].map(Splitting) {
+        for splitting in [[1, 1], [1, 2], [1, 4], [2, 2], [2, 4], [4, 4]].map(Splitting) {
             assert_eq!(splitting.ray(0), 0);
             for number in 0..100 {
                 let (ray, group) = (splitting.ray(number), splitting.group(number));
