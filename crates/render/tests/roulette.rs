@@ -16,6 +16,7 @@ const NEVER: i64 = 1024;
 /// A room with a small lamp and a box, seen from inside.
 fn room(samples: i64, walls: Material, inner: Material) -> Session {
     let session = session(0.9, samples, &[Aov::Color]);
+    session.edit(setting("enableInteractive", 0)).unwrap();
     session.edit(setting("umber:maxBounces", 4)).unwrap();
     session.edit(mesh("/room", cube())).unwrap();
     bind(&session, "/room", "/walls", walls);
@@ -29,7 +30,7 @@ fn room(samples: i64, walls: Material, inner: Material) -> Session {
     session
 }
 
-/// With a dark box: most paths that come from it end there.
+/// With a dark box: most paths that meet it end there.
 fn dark_box(samples: i64, shared: i64) -> Session {
     let session = room(samples, lambert(0.3, 0.0), lambert(0.05, 0.0));
     session.edit(setting("umber:pathReuse", shared)).unwrap();
@@ -38,7 +39,6 @@ fn dark_box(samples: i64, shared: i64) -> Session {
 
 /// Pictures where paths may end after so many scattering events, and the rays that all took.
 fn pictures(session: &Session, bounces: i64, check: &dyn Fn(&Session)) -> (Vec<Vec<f64>>, u64) {
-    session.edit(setting("enableInteractive", 0)).unwrap();
     session.edit(setting("umber:rouletteBounces", bounces)).unwrap();
     let mut rays = 0;
     let picture = |seed| {

@@ -36,7 +36,7 @@ impl Splitting {
     /// Who watches is to see smooth edges as soon as may be, and pictures that may end at any time are to have them.
     /// Measured at 64 samples, the variance that is left is 0.96 to 1.03 of that without splitting (metal, chess), and
     /// 1.07 to 1.4 where eight share; shared paths, which come from fewer places then, lose 5 % where four do. With equal
-    /// counts two share among the first (at 16 samples four leave 1.07 to 1.12 times the variance of many lights and of
+    /// counts two share among the first (at 16 samples four leave 1.1 times the variance of many lights and of
     /// rooms), with adaptive ones four do: that takes .89 to .99 of the time to a given error, as edges get their due.
     pub fn wanted(settings: &Settings, path_group: usize) -> Self {
         let follows_paths = matches!(settings.integrator, Integrator::Path | Integrator::Direct);
