@@ -32,7 +32,7 @@ fn room(samples: i64, walls: Material, inner: Material) -> Session {
 
 /// With a dark box: most paths that meet it end there.
 fn dark_box(samples: i64, shared: i64) -> Session {
-    let session = room(samples, lambert(0.3, 0.0), lambert(0.05, 0.0));
+    let session = room(samples, lambert(0.8, 0.0), lambert(0.05, 0.0));
     session.edit(setting("umber:pathReuse", shared)).unwrap();
     session
 }

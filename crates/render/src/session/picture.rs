@@ -113,9 +113,6 @@ impl Picture {
         if reuse::is_possible(&scene.settings, &scene.lights) {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
         }
-        if let Some(tracing) = &mut scene.light_tracing {
-            tracing.beside_shared_paths = scene.path_group > 1;
-        }
         let splitting = Splitting::wanted(&scene.settings, scene.path_group);
         let all = scene.settings.converged_samples_per_pixel;
         if pool.install(|| splitting::pays(scene, splitting, film, all, &stop, &mut rays)) {
@@ -293,10 +290,8 @@ fn find_caustics(scene: &mut RenderScene, film: &FilmDesc, samples: u32, stop: &
     }
     let eye = scene.camera.position();
     let matters = |landings: &[_]| CausticMap::new(eye, landings).is_some();
-    if let Some((mut tracing, landings)) = LightTracing::search(scene, film, samples, matters, stop, rays) {
+    if let Some((tracing, landings)) = LightTracing::search(scene, film, samples, matters, stop, rays) {
         scene.caustics = CausticMap::new(eye, &landings);
-        // for groups of all sizes to be compared
-        tracing.beside_shared_paths = true;
         scene.light_tracing = Some(tracing);
     }
 }

@@ -72,9 +72,9 @@ pub(crate) fn pays(
 
 /// Whether the product of error and rays is not clearly more with splitting.
 fn is_better(trials: &[Trial]) -> bool {
-    let [error_alone, error_split] = trial::errors(trials.iter().map(|t| (t.mean, t.variances)), LARGEST_ERROR);
+    let errors = trial::compare(trials.iter().map(|t| (t.mean, t.variances)), LARGEST_ERROR);
     let [alone, split] = [0, 1].map(|i| trials.iter().map(|trial| trial.rays[i]).sum::<u64>() as f64);
-    error_split * (alone - CAMERA_COST * (alone - split)) < CLEARLY * error_alone * alone
+    errors.times((alone - CAMERA_COST * (alone - split)) / alone).ratio < CLEARLY
 }
 
 /// A pixel somewhere on the film.
@@ -84,15 +84,19 @@ struct Pixel<'a> {
     corner: Vec2,
 }
 
+fn seed(scene: &RenderScene) -> u64 {
+    STREAM | u64::from(scene.settings.seed)
+}
+
 impl<'a> Pixel<'a> {
     fn new(scene: &'a RenderScene, film: &FilmDesc, number: u32) -> Self {
         let size = Vec2::new(film.width as f32, film.height as f32);
-        let pixel = Self { scene, number, corner: Vec2::ZERO };
-        let place = pixel.sampler(0, 0).next_2d();
-        Self { corner: (place * size).floor().min(size - 1.0), ..pixel }
+        // spread evenly over the film
+        let place = Sampler::new(seed(scene), [0, 0], number).next_2d();
+        Self { scene, number, corner: (place * size).floor().min(size - 1.0) }
     }
     fn sampler(&self, run: u32, sample: u32) -> Sampler {
-        Sampler::new(STREAM | u64::from(self.scene.settings.seed), [self.number, run], sample)
+        Sampler::new(seed(self.scene), [self.number, run], sample)
     }
 
     fn trial(&self, splitting: Splitting, samples: u32) -> Trial {
