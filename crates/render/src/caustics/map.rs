@@ -23,7 +23,9 @@ const RADIUS_BOUNDS: [f32; 2] = [0.02, 1.0];
 #[derive(Debug)]
 pub(crate) struct CausticMap {
     eye: Point3,
-    cells: FxHashMap<Cell, Places>,
+    /// Numbers of their places.
+    cells: FxHashMap<Cell, u32>,
+    places: Vec<Places>,
 }
 
 /// A cube of space, by a number of its own. They grow with the distance from the camera, by powers of two.
@@ -68,19 +70,21 @@ fn power_of_two(exponent: i32) -> f32 {
 impl CausticMap {
     /// Seen from `eye`, from where light paths landed; `None` where no caustics are found.
     pub fn new(eye: Point3, landings: &[Landing]) -> Option<Self> {
-        let cells = cells(&landings[..landings.len().min(MOST_LANDINGS)], eye);
-        (!cells.is_empty()).then_some(Self { eye, cells })
+        let (cells, places): (Vec<Cell>, Vec<Places>) = cells(&landings[..landings.len().min(MOST_LANDINGS)], eye);
+        // few bytes a cell, as most points are in none
+        let cells: FxHashMap<Cell, u32> = cells.into_iter().zip(0..).collect();
+        (!cells.is_empty()).then_some(Self { eye, cells, places })
     }
 
     /// The places that caustics at a point come from; `None` where there are none.
     #[inline]
     pub fn places(&self, point: Point3) -> Option<&Places> {
-        self.cells.get(&Cell::of(point.0 - self.eye.0))
+        self.cells.get(&Cell::of(point.0 - self.eye.0)).map(|number| &self.places[*number as usize])
     }
 }
 
-/// The cells that caustics lie in, seen from `eye`.
-fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
+/// The cells that caustics lie in, seen from `eye`, and for each the places that they come from.
+fn cells(landings: &[Landing], eye: Point3) -> (Vec<Cell>, Vec<Places>) {
     // each counts in the cells around its own too: few landings are to fill many cells
     let of_landing =
         |(i, landing): (usize, &Landing)| Cell::around(landing.point.0 - eye.0).map(move |cell| (cell, i as u32));
@@ -90,8 +94,7 @@ fn cells(landings: &[Landing], eye: Point3) -> FxHashMap<Cell, Places> {
         let cell = entries[0].0;
         Some((cell, places(entries.iter().map(|(_, i)| &landings[*i as usize]), cell.edge())?))
     });
-    // in one go: a table that grows is filled many times
-    cells.collect::<Vec<_>>().into_iter().collect()
+    cells.unzip()
 }
 
 /// The places that a cell's caustics come from: of all, as often as they matter. `None` where nothing is a caustic.
@@ -108,7 +111,18 @@ fn places<'a>(landings: impl ExactSizeIterator<Item = &'a Landing> + Clone, edge
             count += 1;
         }
     }
-    (count == PLACES).then(|| Places::new(centers.map(|center| (center, radius(center, &centers, edge)))))
+    if count < PLACES {
+        return None;
+    }
+    // the same follow each other
+    let mut last = (centers[0], radius(centers[0], &centers, edge));
+    let sphere = |center: Point3| {
+        if center != last.0 {
+            last = (center, radius(center, &centers, edge));
+        }
+        last
+    };
+    Some(Places::new(centers.map(sphere)))
 }
 
 /// How far around a place there may be others: as far as from it to the second of those that are known.
