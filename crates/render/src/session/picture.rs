@@ -22,6 +22,10 @@ const FINAL_PASS: u32 = 16;
 /// The same where pixels get different counts, and few of them all.
 const PLANNED_PASS: u32 = 64;
 
+/// Samples a pixel that adaptive pictures are taken to need, before anything is known of them: mostly they may have far
+/// more than they get.
+const TYPICAL: u32 = 64;
+
 /// Where somebody watches, or the time is limited, so many samples a pixel are shown before searches and trials.
 const SAMPLES_BEFORE: u32 = 8;
 
@@ -103,7 +107,7 @@ impl Picture {
     fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
         let started = Instant::now();
         let stop = self.stop(shared, started);
-        let samples = self.scene.settings.converged_samples_per_pixel.saturating_sub(self.done);
+        let samples = self.most_likely().saturating_sub(self.done);
         let (scene, film) = (&mut self.scene, self.film.desc());
         let mut rays = 0;
         if edges::are_looked_for(&scene.settings) {
@@ -114,8 +118,7 @@ impl Picture {
             scene.path_group = pool.install(|| reuse::best_group(scene, film, samples, &stop, &mut rays));
         }
         let splitting = Splitting::wanted(&scene.settings, scene.path_group);
-        let all = scene.settings.converged_samples_per_pixel;
-        if pool.install(|| splitting::pays(scene, splitting, film, all, &stop, &mut rays)) {
+        if pool.install(|| splitting::pays(scene, splitting, film, self.done + samples, &stop, &mut rays)) {
             scene.splitting = splitting;
         }
         if stop.now() {
@@ -123,6 +126,7 @@ impl Picture {
             (scene.path_group, scene.splitting, scene.edges) = (1, Splitting::NONE, None);
         } else {
             self.prepared_at = Some(self.done);
+            let all = scene.settings.converged_samples_per_pixel;
             let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
             *self.rays.get_mut() += rays;
             shared.update_stats(|s| {
@@ -161,6 +165,12 @@ impl Picture {
             }
         }
         self.seconds += started.elapsed().as_secs_f64();
+    }
+
+    /// Samples a pixel that searches and trials are to pay for.
+    fn most_likely(&self) -> u32 {
+        let most = self.scene.settings.converged_samples_per_pixel;
+        if self.is_adaptive() { most.min(TYPICAL) } else { most }
     }
 
     /// Samples a pixel that are taken before it is decided how the others are.
