@@ -21,8 +21,8 @@ impl Comparison {
     pub fn times(self, cost: f64) -> Self {
         Self { ratio: cost * self.ratio, deviation: cost * self.deviation }
     }
-    /// Whether the second way is better than `ratio` times the first, beyond what may be chance.
-    pub fn is_surely_below(self, ratio: f64) -> bool {
+    /// Whether the second way is better than `ratio` times the first by more than a standard deviation.
+    pub fn is_clearly_below(self, ratio: f64) -> bool {
         self.ratio + self.deviation < ratio
     }
 }

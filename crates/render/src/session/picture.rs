@@ -22,9 +22,10 @@ const FINAL_PASS: u32 = 16;
 /// The same where pixels get different counts, and few of them all.
 const PLANNED_PASS: u32 = 64;
 
-/// Samples a pixel that adaptive pictures are taken to need, before anything is known of them: mostly they may have far
-/// more than they get.
+/// Samples a pixel, or of a whole small picture, that adaptive pictures are taken to need before anything is known of them:
+/// mostly they may have far more than they get.
 const TYPICAL: u32 = 64;
+const TYPICAL_OF_ALL: usize = 1 << 20;
 
 /// Where somebody watches, or the time is limited, so many samples a pixel are shown before searches and trials.
 const SAMPLES_BEFORE: u32 = 8;
@@ -170,7 +171,9 @@ impl Picture {
     /// Samples a pixel that searches and trials are to pay for.
     fn most_likely(&self) -> u32 {
         let most = self.scene.settings.converged_samples_per_pixel;
-        if self.is_adaptive() { most.min(TYPICAL) } else { most }
+        let pixels = self.film.desc().width * self.film.desc().height;
+        let typical = TYPICAL.max((TYPICAL_OF_ALL / pixels.max(1)) as u32);
+        if self.is_adaptive() { most.min(typical) } else { most }
     }
 
     /// Samples a pixel that are taken before it is decided how the others are.
