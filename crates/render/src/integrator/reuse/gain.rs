@@ -88,14 +88,14 @@ pub(crate) fn best_group(
     stop: &Stop<'_>,
     rays: &mut u64,
 ) -> usize {
-    leave_to_groups(scene, 1);
+    trace_light_beside(scene, 1);
     let paths = (film.width * film.height) as u64 * u64::from(samples) / TRIAL;
     let blocks = (paths / SMALL.paths()).min(MOST_BLOCKS);
     if blocks < LEAST_BLOCKS || film.width < LARGE.edge || film.height < LARGE.edge {
         return 1;
     }
     let mut tried = |size: usize, block: BlockSize| {
-        leave_to_groups(scene, size);
+        trace_light_beside(scene, size);
         let scene = &*scene;
         let one =
             |number| if stop.now() { Trial::default() } else { Block::new(scene, film, block, number).trial(size) };
@@ -112,12 +112,12 @@ pub(crate) fn best_group(
         let many = compare(&tried(FEW, LARGE), 1.0, &tried(LARGEST_GROUP, LARGE));
         if many.is_clearly_below(1.0) { LARGEST_GROUP } else { FEW }
     };
-    leave_to_groups(scene, group);
+    trace_light_beside(scene, group);
     group
 }
 
-/// Has light traced as it is beside groups of a size: shared paths find what wide lobes pass on by themselves.
-fn leave_to_groups(scene: &mut RenderScene, size: usize) {
+/// Has light traced as it is beside groups of so many pixels: to shared paths it leaves what wide lobes pass on.
+fn trace_light_beside(scene: &mut RenderScene, size: usize) {
     if let Some(tracing) = &mut scene.light_tracing {
         tracing.beside_shared_paths = size > 1;
     }
