@@ -13,7 +13,7 @@ use crate::format::BufferFormat;
 use crate::light_tracing::LightImage;
 
 use pixel::encode;
-pub(crate) use pixel::{CenterHit, PixelSum, Samples};
+pub(crate) use pixel::{CenterHit, PixelSum, Samples, deviation, radiance};
 pub(crate) use tile::{Tile, TileRect};
 
 /// Edge of a tile, pixels.
@@ -81,7 +81,7 @@ pub struct Film {
     centers: Vec<Aov>,
     columns: usize,
     tiles: Vec<Mutex<Tile>>,
-    /// What light paths add to either half.
+    /// What light paths add, in two images.
     light: Mutex<[LightImage; 2]>,
 }
 
@@ -135,7 +135,7 @@ impl Film {
         self.tile(index).set_centers(planes.collect());
     }
 
-    /// What light paths add to either half.
+    /// What light paths add, in two images.
     pub(crate) fn light(&self) -> MutexGuard<'_, [LightImage; 2]> {
         self.light.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -143,35 +143,34 @@ impl Film {
     /// Bytes it takes once every pixel has samples, in `halves` halves.
     pub fn memory_bytes(&self, halves: usize) -> usize {
         let pixels = self.desc.width * self.desc.height;
-        let of_half = if halves > 1 { Samples::PILOT_BYTES } else { size_of::<PixelSum>() };
-        pixels * (halves * of_half + self.centers.len() * size_of::<[u32; 3]>())
+        pixels * (Samples::bytes(halves) + self.centers.len() * size_of::<[u32; 3]>())
     }
 
     /// Mean over pixels and channels of the variance of a pixel, as the difference of its halves shows it,
-    /// relative to its square and that of 1 % of the picture's mean luminance together. `None` where the pixels
-    /// have no two halves.
+    /// relative to its square and that of 1 % of the picture's mean luminance together. Of
+    /// pixels that have two halves; `None` where none have.
     pub fn mean_relative_variance(&self) -> Option<f64> {
-        let tiles = || (0..self.tiles.len()).map(|t| self.tile(t));
-        if self.tiles.is_empty() || tiles().any(|tile| tile.halves.iter().any(|half| half.sums.is_empty())) {
-            return None;
-        }
         let light = self.light();
-        let over = |value: &dyn Fn([DVec3; 2]) -> f64| {
-            let of_tile = |tile: MutexGuard<'_, Tile>| -> f64 {
-                let of_pixel = |i: usize| {
+        // mean over pixels with two halves of what their means, and by how much these are off, tell; not a number without
+        let over = |value: &dyn Fn(DVec3, DVec3) -> f64| {
+            let (mut sum, mut count) = (0.0, 0);
+            for tile in (0..self.tiles.len()).map(|t| self.tile(t)) {
+                for i in 0..tile.rect.width * tile.rect.height {
+                    let sums = tile.samples.sums(i);
+                    if sums.iter().any(|half| half.samples == 0) {
+                        continue;
+                    }
                     let [x, y] = tile.rect.place(i);
-                    let (sums, light) = (tile.sums(i), tile.light(i, &light, y * self.desc.width + x));
-                    value([0, 1].map(|half| sums[half].radiance() + light[half].0.as_dvec3()))
-                };
-                (0..tile.rect.width * tile.rect.height).map(of_pixel).sum()
-            };
-            tiles().map(of_tile).sum::<f64>() / (self.desc.width * self.desc.height) as f64
+                    let [a, b] = tile.light(i, &light, y * self.desc.width + x).map(|light| 0.5 * light.0.as_dvec3());
+                    sum += value(radiance(sums) + a + b, deviation(sums) + a - b);
+                    count += 1;
+                }
+            }
+            sum / f64::from(count)
         };
-        let floor = error_floor(over(&|[a, b]| luminance(0.5 * (a + b))));
-        Some(over(&|[a, b]| {
-            let (mean, off) = (0.5 * (a + b), 0.5 * (a - b));
-            (off * off / (mean * mean + floor)).dot(DVec3::splat(1.0 / 3.0))
-        }))
+        let floor = error_floor(over(&|mean, _| luminance(mean)));
+        let mean = over(&|mean, off| relative_variance(off, mean, floor));
+        (!mean.is_nan()).then_some(mean)
     }
 
     /// Writes an AOV into `out`: row after row from the lowest, `width · height` pixels of `format`.
@@ -226,6 +225,11 @@ pub(crate) fn error_floor(mean: f64) -> f64 {
     (0.01 * mean).powi(2).max(f64::MIN_POSITIVE)
 }
 
+/// Mean over the channels of a squared error relative to the square of a mean, and to [`error_floor`].
+pub(crate) fn relative_variance(off: DVec3, mean: DVec3, floor: f64) -> f64 {
+    (off * off / (mean * mean + floor)).dot(DVec3::splat(1.0 / 3.0))
+}
+
 /// Luminance of linear Rec.709.
 pub(crate) fn luminance(radiance: DVec3) -> f64 {
     f64::from(Rgb(radiance.as_vec3()).luminance())
@@ -244,9 +248,9 @@ mod tests {
         {
             let mut tile = film.tile(1);
             assert_eq!(tile.rect, TileRect { x: 16, y: 0, width: 4, height: 3 });
-            tile.halves[0].prepare(12, None);
-            tile.halves[0].add(4, Rgb::new(1.0, 0.0, 0.0), 1.0);
-            tile.halves[0].add(4, Rgb::BLACK, 0.0);
+            tile.samples.prepare(12, 1);
+            tile.samples.add(4, 0, Rgb::new(1.0, 0.0, 0.0), 1.0);
+            tile.samples.add(4, 0, Rgb::BLACK, 0.0);
         }
         let mut out = vec![0u8; 20 * 3 * 16];
         assert!(film.resolve(Aov::Color, BufferFormat::Float32Vec4, &mut out));
@@ -258,15 +262,19 @@ mod tests {
         assert!(!film.resolve(Aov::Depth, BufferFormat::Float32, &mut ids));
     }
     #[test]
-    fn halves_count_the_same() {
+    fn samples_count_the_same_in_both_halves() {
         let mut halves = [PixelSum::default(); 2];
         assert_eq!(pixel::mean(halves), None);
         halves[0].add(Rgb::splat(1.0), 1.0);
         assert_eq!(pixel::mean(halves), Some(Vec4::ONE));
+        assert_eq!(deviation(halves), DVec3::ZERO);
         for _ in 0..3 {
             halves[1].add(Rgb::splat(2.0), 1.0);
         }
-        assert_eq!(pixel::mean(halves), Some(Vec4::new(1.5, 1.5, 1.5, 1.0)));
+        assert_eq!(pixel::mean(halves), Some(Vec4::new(1.75, 1.75, 1.75, 1.0)));
+        // of a variance of 1 a sample, the difference's is 1 + 1/3, and the mean's 1/4
+        let off = deviation(halves);
+        assert!((off * off - 0.25 / (4.0 / 3.0)).abs().max_element() < 1e-12, "{off}");
     }
 
     #[test]

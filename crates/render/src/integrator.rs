@@ -21,7 +21,6 @@ use umber_math::Rgb;
 use umber_settings::{Integrator, Settings};
 
 use crate::adaptive::{self, Plan};
-use crate::scene::RenderScene;
 
 pub use tile::render_tile;
 
@@ -68,46 +67,47 @@ pub struct Goal<'a> {
 pub enum Target<'a> {
     /// All to the same count.
     Even,
-    /// To counts that are not known yet: all to so many so far, in two halves.
+    /// To counts that are not known yet: all to so many so far.
     Pilot(u32),
     /// To the counts of a plan.
     Planned(&'a Plan),
 }
 
 impl Goal<'_> {
-    /// Samples of the pixel at column `x` and row `y`, in each half.
-    pub fn counts(&self, x: usize, y: usize) -> [u32; 2] {
-        let halves = adaptive::halves(self.samples);
+    /// Samples of the pixel at column `x` and row `y`.
+    pub fn count(&self, x: usize, y: usize) -> u32 {
         match self.target {
-            Target::Even => [self.samples, 0],
-            Target::Pilot(_) => halves,
-            Target::Planned(plan) => {
-                let planned = plan.counts(x, y);
-                std::array::from_fn(|half| planned[half].min(halves[half]))
-            }
+            Target::Even | Target::Pilot(_) => self.samples,
+            Target::Planned(plan) => plan.count(x, y).min(self.samples),
         }
     }
-    /// Samples of all pixels of a film of so many across and down, in each half.
+    /// Into how many parts, which know nothing of each other, the pixels are divided.
+    fn parts(&self) -> usize {
+        if matches!(self.target, Target::Even) { 1 } else { 2 }
+    }
+    /// The part of the pixel at a column and a row.
+    fn part(&self, place: [usize; 2]) -> usize {
+        if self.parts() > 1 { adaptive::color(place) } else { 0 }
+    }
+    /// Samples of all pixels of a film of so many across and down, in each part.
     pub fn totals(&self, [width, height]: [usize; 2]) -> [u64; 2] {
-        match self.target {
-            Target::Planned(_) => (0..width * height).fold([0; 2], |[a, b], i| {
-                let [in_a, in_b] = self.counts(i % width, i / width).map(u64::from);
-                [a + in_a, b + in_b]
-            }),
-            _ => self.counts(0, 0).map(|count| u64::from(count) * (width * height) as u64),
+        if let Target::Planned(_) = self.target {
+            return (0..width * height).map(|i| [i % width, i / width]).fold([0; 2], |mut totals, place| {
+                totals[self.part(place)] += u64::from(self.count(place[0], place[1]));
+                totals
+            });
         }
+        let pixels = (width * height) as u64;
+        let second = if self.parts() > 1 { pixels / 2 } else { 0 };
+        [pixels - second, second].map(|pixels| pixels * u64::from(self.samples))
     }
-    /// Samples of each of the two runs of a half that are to tell how many more it needs; `None` where that is known.
-    fn run(&self, half: u32) -> Option<u32> {
+    /// Of which half of a pixel's samples one is, by its number.
+    fn half(&self, number: u32) -> usize {
         match self.target {
-            Target::Pilot(samples) => Some(adaptive::halves(samples)[half as usize] / 2),
-            _ => None,
+            Target::Even => 0,
+            Target::Pilot(samples) => adaptive::half(samples, number),
+            Target::Planned(plan) => adaptive::half(plan.pilot(), number),
         }
-    }
-    /// Seed of the sequence of a half: halves share no sample, and are independent.
-    fn seed(&self, scene: &RenderScene, half: u32) -> u64 {
-        let stream = if matches!(self.target, Target::Even) { 0 } else { half + 1 };
-        u64::from(stream) << 32 | u64::from(scene.settings.seed)
     }
 }
 

@@ -11,8 +11,8 @@ pub struct Stats {
     pub target_samples_per_pixel: u32,
     /// Samples taken, over the number of pixels: more than every pixel has where pixels get what they need.
     pub mean_samples_per_pixel: f64,
-    /// Mean relative variance of the pixels of the finished picture, by the difference of their halves;
-    /// negative where `convergedVariance` is.
+    /// Mean relative variance of the pixels of the finished picture, by the difference of the halves of their samples;
+    /// negative where `convergedVariance` is, or none has two.
     pub relative_variance: f64,
     /// How much of that is done, 0 to 100.
     pub percent_done: f64,

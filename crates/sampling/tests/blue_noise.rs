@@ -165,7 +165,7 @@ fn uniform_over_seeds() {
     }
 }
 
-/// Over seeds, the streams of a seed are independent, as the halves of an adaptive picture have to be.
+/// Over seeds, the streams of a seed are independent, as the colours of an adaptive picture have to be.
 #[test]
 fn streams_are_independent() {
     let mut seed = 0;

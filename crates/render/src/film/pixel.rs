@@ -7,7 +7,7 @@ use crate::aov::Aov;
 use crate::format::Pixel;
 
 /// Beyond what single precision can tell of squares.
-const LARGEST_VARIANCE: f64 = 1e60;
+const LARGEST_DEVIATION: f64 = 1e30;
 
 /// What all samples of a pixel, or of one half of it, add up to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,68 +42,79 @@ impl PixelSum {
     }
 }
 
-/// The samples of a tile, or of one half of them: row by row, an entry a pixel; without entries where there are none.
+/// The samples of a tile, row by row, an entry a pixel.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Samples {
-    pub sums: Vec<PixelSum>,
-    /// Of a pilot, which is two runs of samples: the sum of radiance of the first.
-    first_runs: Vec<[f32; 3]>,
-    /// Samples of a run.
-    run: u32,
+    /// In two halves, of which no sample is in both; all are in the first one where nobody asks how much they differ, and
+    /// the second has no entries.
+    pub halves: [Vec<PixelSum>; 2],
+    /// Rays that the samples took, a pixel; without entries where there is one half.
+    rays: Vec<u32>,
 }
 
 impl Samples {
-    /// Bytes of a pixel in one of two halves, with a pilot.
-    pub const PILOT_BYTES: usize = size_of::<PixelSum>() + size_of::<[f32; 3]>();
-
-    /// Makes room for so many pixels. `run`: how many samples each of the two runs of a pilot has; `None` where it is none.
-    pub fn prepare(&mut self, pixels: usize, run: Option<u32>) {
-        self.sums.resize(pixels, PixelSum::default());
-        self.first_runs.resize(if run.is_some() { pixels } else { 0 }, [0.0; 3]);
-        self.run = run.unwrap_or(0);
+    /// Bytes of a pixel in so many halves.
+    pub fn bytes(halves: usize) -> usize {
+        halves * size_of::<PixelSum>() + (halves - 1) * size_of::<u32>()
+    }
+    /// Makes room for so many pixels in so many halves.
+    pub fn prepare(&mut self, pixels: usize, halves: usize) {
+        self.halves[..halves].iter_mut().for_each(|half| half.resize(pixels, PixelSum::default()));
+        self.rays.resize(if halves > 1 { pixels } else { 0 }, 0);
     }
     /// Takes all away, and keeps the memory.
     pub fn clear(&mut self) {
-        self.sums.clear();
-        self.first_runs.clear();
+        self.halves.iter_mut().for_each(Vec::clear);
+        self.rays.clear();
     }
-    /// Adds a sample of pixel `i`.
-    pub fn add(&mut self, i: usize, rgb: Rgb, coverage: f32) {
-        let sum = &mut self.sums[i];
-        sum.add(rgb, coverage);
-        if sum.samples == self.run
-            && let Some(first_run) = self.first_runs.get_mut(i)
-        {
-            *first_run = [sum.color[0], sum.color[1], sum.color[2]];
+    /// Adds a sample of pixel `i` to a half.
+    #[inline]
+    pub fn add(&mut self, i: usize, half: usize, rgb: Rgb, coverage: f32) {
+        self.halves[half][i].add(rgb, coverage);
+    }
+    /// Counts rays that samples of pixel `i` took.
+    #[inline]
+    pub fn add_rays(&mut self, i: usize, rays: u64) {
+        if let Some(sum) = self.rays.get_mut(i) {
+            *sum = sum.saturating_add(rays.min(u32::MAX.into()) as u32);
         }
     }
-    /// What the pilot of pixel `i` shows, channel by channel: mean radiance, and the variance of a run's mean times its
-    /// samples.
-    pub fn mean_and_variance(&self, i: usize) -> (DVec3, DVec3) {
-        let sum = self.sums.get(i).copied().unwrap_or_default();
-        let (mean, run) = (sum.radiance(), f64::from(self.run));
-        let Some(first_run) = self.first_runs.get(i).filter(|_| self.run > 0 && sum.samples >= 2 * self.run) else {
-            return (mean, DVec3::ZERO);
-        };
-        // of two means: half of the square of their difference, which is twice that from the mean of both
-        let difference = 2.0 * (DVec3::from(first_run.map(f64::from)) / run - mean);
-        // one sample that is beyond all measure must not make sums over pixels infinite
-        (mean, (difference * difference * (0.5 * run)).min(DVec3::splat(LARGEST_VARIANCE)))
+    /// Rays that the samples of pixel `i` took, where they are counted; else 0.
+    pub fn rays(&self, i: usize) -> u32 {
+        self.rays.get(i).copied().unwrap_or(0)
+    }
+    /// The sums of both halves of pixel `i`.
+    #[inline]
+    pub fn sums(&self, i: usize) -> [PixelSum; 2] {
+        self.halves.each_ref().map(|half| half.get(i).copied().unwrap_or_default())
+    }
+    /// How many samples pixel `i` has.
+    #[inline]
+    pub fn count(&self, i: usize) -> u32 {
+        let [a, b] = self.sums(i);
+        a.samples + b.samples
     }
 }
 
-/// Mean radiance and coverage of a pixel from its halves: each half counts the same, however many samples it
-/// has (see `adaptive`). `None` without samples.
-pub(super) fn mean(halves: [PixelSum; 2]) -> Option<Vec4> {
-    match halves.map(|half| half.samples > 0) {
-        [true, true] => {
-            let [a, b] = halves.map(|half| half.mean());
-            Some(0.5 * (a + b))
-        }
-        [true, false] => Some(halves[0].mean()),
-        [false, true] => Some(halves[1].mean()),
-        [false, false] => None,
-    }
+/// Mean radiance and coverage of a pixel from its halves, in which all samples count the same. `None` without samples.
+pub(super) fn mean([a, b]: [PixelSum; 2]) -> Option<Vec4> {
+    let samples = a.samples + b.samples;
+    (samples > 0).then(|| (Vec4::from(a.color) + Vec4::from(b.color)) / samples as f32)
+}
+
+/// Mean radiance of a pixel, channel by channel; 0 without samples.
+pub(crate) fn radiance(halves: [PixelSum; 2]) -> DVec3 {
+    mean(halves).map_or(DVec3::ZERO, |mean| mean.truncate().as_dvec3())
+}
+
+/// By how much the mean of a pixel is off, channel by channel, as the difference of its halves tells, were they
+/// independent; 0 where one has no samples.
+pub(crate) fn deviation(halves: [PixelSum; 2]) -> DVec3 {
+    let [a, b] = halves.map(|half| f64::from(half.samples));
+    let difference = halves[0].radiance() - halves[1].radiance();
+    // one sample that is beyond all measure must not make sums over pixels infinite
+    (difference * ((a * b).sqrt() / (a + b).max(1.0)))
+        .clamp(DVec3::splat(-LARGEST_DEVIATION), DVec3::splat(LARGEST_DEVIATION))
 }
 
 /// What is seen through the middle of a pixel.

@@ -4,7 +4,7 @@ use glam::Vec4;
 use umber_math::Rgb;
 
 use super::COARSE;
-use super::pixel::{self, PixelSum, Samples, decode};
+use super::pixel::{self, Samples, decode};
 use crate::aov::Aov;
 use crate::format::BufferFormat;
 use crate::light_tracing::LightImage;
@@ -37,8 +37,7 @@ impl TileRect {
 pub(crate) struct Tile {
     /// First column and row, and how many of them.
     pub rect: TileRect,
-    /// In two halves that share no sample.
-    pub halves: [Samples; 2],
+    pub samples: Samples,
     /// Values of the AOVs seen through pixel middles, in the order of the film's description, as
     /// floats or bits of integers; empty until they are known.
     centers: Vec<Vec<[u32; 3]>>,
@@ -47,11 +46,11 @@ pub(crate) struct Tile {
 impl Tile {
     /// Without samples.
     pub fn new(rect: TileRect) -> Self {
-        Self { rect, halves: Default::default(), centers: Vec::new() }
+        Self { rect, samples: Samples::default(), centers: Vec::new() }
     }
     /// Takes all samples away, and keeps their memory.
     pub fn clear(&mut self) {
-        self.halves.iter_mut().for_each(Samples::clear);
+        self.samples.clear();
         self.centers.clear();
     }
     /// Keeps what is seen through pixel middles.
@@ -62,52 +61,46 @@ impl Tile {
     pub fn has_centers(&self) -> bool {
         !self.centers.is_empty()
     }
-    /// The sums of both halves of pixel `i`.
-    #[inline]
-    pub fn sums(&self, i: usize) -> [PixelSum; 2] {
-        self.halves.each_ref().map(|half| half.sums.get(i).copied().unwrap_or_default())
-    }
-
     /// Colours of a row over `clear`. A pixel that has no sample shows the nearest one below and to
     /// the left that a coarser grid of first samples took.
     pub fn row_colors(&self, row: usize, clear: [f32; 4], out: &mut [[f32; 4]]) {
         let (start, clear) = (row * self.rect.width, Vec4::from(clear));
         let over_clear = |mean: Vec4| (mean + (1.0 - mean.w) * clear).to_array();
-        let [first, second] = self.halves.each_ref().map(|half| half.sums.get(start..start + out.len()));
+        let [first, second] = self.samples.halves.each_ref().map(|half| half.get(start..start + out.len()));
         // mostly there is one half, and it has samples
         let only = first.filter(|_| second.is_none()).filter(|sums| sums.iter().all(|sum| sum.samples > 0));
         if let Some(sums) = only {
             return out.iter_mut().zip(sums).for_each(|(out, sum)| *out = over_clear(sum.mean()));
         }
         for (column, out) in out.iter_mut().enumerate() {
-            let mean = pixel::mean(self.sums(start + column)).or_else(|| self.coarse(column, row));
+            let mean = pixel::mean(self.samples.sums(start + column)).or_else(|| self.coarse(column, row));
             *out = mean.map_or(clear.to_array(), over_clear);
         }
     }
     #[cold]
     fn coarse(&self, x: usize, y: usize) -> Option<Vec4> {
-        let at = |stride: usize| self.sums(y / stride * stride * self.rect.width + x / stride * stride);
+        let at = |stride: usize| self.samples.sums(y / stride * stride * self.rect.width + x / stride * stride);
         COARSE.iter().rev().find_map(|stride| pixel::mean(at(*stride)))
     }
 
-    /// What light paths add to pixel `i`, which is number `pixel` of the film, in each half.
+    /// What each of two images of light paths adds to pixel `i`, which is number `pixel` of the film.
     #[inline]
     pub fn light(&self, i: usize, light: &[LightImage; 2], pixel: usize) -> [Rgb; 2] {
-        let sums = self.sums(i);
-        [0, 1].map(|half| light[half].radiance(pixel, sums[half].samples))
+        let samples = self.samples.count(i);
+        light.each_ref().map(|image| image.radiance(pixel, samples))
     }
 
     /// Adds what light paths bring to a row of colours, whose first pixel is number `first` of the film.
     pub fn add_light(&self, row: usize, light: &[LightImage; 2], first: usize, out: &mut [[f32; 4]]) {
-        if light.iter().all(LightImage::is_empty) {
+        // images with paths count the same, however many they have (see `adaptive`)
+        let images = light.iter().filter(|image| !image.is_empty()).count();
+        if images == 0 {
             return;
         }
         for (column, out) in out.iter_mut().enumerate() {
             let i = row * self.rect.width + column;
-            // halves with samples count the same, as in their mean
-            let halves = self.sums(i).iter().filter(|half| half.samples > 0).count();
             let [a, b] = self.light(i, light, first + column);
-            let sum = (a + b) * (1.0 / halves.max(1) as f32);
+            let sum = (a + b) * (1.0 / images as f32);
             for (channel, sum) in out.iter_mut().zip(sum.0.to_array()) {
                 *channel += sum;
             }
@@ -130,9 +123,9 @@ mod tests {
     #[test]
     fn pixels_without_samples_show_the_coarse_grid() {
         let mut tile = Tile::new(TileRect { x: 0, y: 0, width: 16, height: 16 });
-        tile.halves[0].prepare(256, None);
+        tile.samples.prepare(256, 1);
         for (x, y, v) in [(0, 0, 1.0), (8, 0, 2.0), (0, 8, 3.0), (8, 8, 4.0), (12, 8, 5.0)] {
-            tile.halves[0].add(y * 16 + x, Rgb::splat(v), 1.0);
+            tile.samples.add(y * 16 + x, 0, Rgb::splat(v), 1.0);
         }
         let at = |x: usize, y: usize| {
             let mut row = [[0.0; 4]; 16];

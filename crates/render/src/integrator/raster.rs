@@ -108,10 +108,10 @@ impl<'a> Worker<'a> {
                 continue;
             }
             // in the memory of an older picture, if there was one
-            let mut samples = std::mem::take(&mut film.tile(index).halves[0]);
+            let mut samples = std::mem::take(&mut film.tile(index).samples);
             samples.clear();
-            self.shader.colors(&self.pieces, rect, &mut samples.sums);
-            film.tile(index).halves[0] = samples;
+            self.shader.colors(&self.pieces, rect, &mut samples.halves[0]);
+            film.tile(index).samples = samples;
             if film.has_center_aovs() {
                 film.set_centers(index, &self.shader.centers(&self.pieces, rect));
             }

@@ -19,8 +19,7 @@ use crate::adaptive;
 
 pub(crate) use gain::pays;
 
-/// How many samples of a pixel, or of one of its halves, begin with each ray from the camera: of its first ones, and of
-/// all others.
+/// How many samples of a pixel begin with each ray from the camera: of its first ones, and of all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Splitting([u32; 2]);
 

@@ -9,6 +9,7 @@ use umber_settings::{Integrator, Settings};
 use super::primary::Primary;
 use super::reuse::{self, Groups};
 use super::{Goal, RadianceSample, Stop, TileWork, center, dimensions, mirror, path};
+use crate::adaptive;
 use crate::film::{Film, Samples, TileRect};
 use crate::scene::RenderScene;
 
@@ -18,31 +19,23 @@ use crate::scene::RenderScene;
 /// often it was stopped.
 pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_>, stop: &Stop<'_>) -> TileWork {
     let mut work = TileWork::default();
-    let (rect, mut halves, known) = {
+    let (rect, mut samples, known) = {
         let tile = film.tile(tile);
-        (tile.rect, tile.halves.clone(), tile.has_centers())
+        (tile.rect, tile.samples.clone(), tile.has_centers())
     };
     let pixels = rect.width * rect.height;
     if film.has_center_aovs() && !known && goal.stride == 1 {
         let hits: Vec<_> = (0..pixels).map(|i| center::trace(scene, rect.place(i), &mut work.rays)).collect();
         film.set_centers(tile, &hits);
     }
-    for (half, samples) in (0..).zip(&mut halves) {
-        if goal.counts(rect.x, rect.y)[half as usize] > 0 {
-            samples.prepare(pixels, goal.run(half));
-        }
-        let sequence = Sequence { seed: goal.seed(scene, half), half, is_blue: spreads_blue_noise(&scene.settings) };
-        let pass = Pass { scene, view_min: film.desc().data_window_min, rect, goal, stop, sequence };
-        let whole = if scene.path_group > 1 && goal.stride == 1 {
-            pass.sample_in_groups(samples, &mut work)
-        } else {
-            pass.sample_one_by_one(samples, &mut work)
-        };
-        if !whole {
-            break;
-        }
+    samples.prepare(pixels, goal.parts());
+    let pass = Pass { scene, view_min: film.desc().data_window_min, rect, goal, stop };
+    if scene.path_group > 1 && goal.stride == 1 {
+        pass.sample_in_groups(&mut samples, &mut work);
+    } else {
+        pass.sample_one_by_one(&mut samples, &mut work);
     }
-    film.tile(tile).halves = halves;
+    film.tile(tile).samples = samples;
     work
 }
 
@@ -50,30 +43,8 @@ pub fn render_tile(scene: &RenderScene, film: &Film, tile: usize, goal: &Goal<'_
 pub(super) const MANY_SAMPLES: u32 = 16;
 
 /// Whether the error is to be blue noise over pixels: where pictures of few samples are seen.
-///
-/// Both halves of an adaptive picture are then made so, each by its own seed: they count the same, and a half whose
-/// error is white noise would drown the other's. They stay independent, as their seeds are.
 fn spreads_blue_noise(settings: &Settings) -> bool {
     settings.enable_interactive || settings.converged_samples_per_pixel < MANY_SAMPLES
-}
-
-/// Samples of one half of a pixel.
-#[derive(Clone, Copy)]
-struct Sequence {
-    seed: u64,
-    half: u32,
-    is_blue: bool,
-}
-
-impl Sequence {
-    #[inline]
-    fn sampler(self, pixel: [u32; 2], number: u32) -> Sampler {
-        if self.is_blue {
-            Sampler::blue_noise(self.seed, pixel, number)
-        } else {
-            Sampler::new(self.seed, pixel, number)
-        }
-    }
 }
 
 /// Room for a group's paths, and for the rays from the camera that they begin with.
@@ -83,7 +54,7 @@ struct Members<'a> {
     paths: Vec<reuse::Path<'a>>,
 }
 
-/// One half of a tile in a pass.
+/// A tile in a pass.
 struct Pass<'a> {
     scene: &'a RenderScene,
     /// Where the film lies in the view.
@@ -91,90 +62,95 @@ struct Pass<'a> {
     rect: TileRect,
     goal: &'a Goal<'a>,
     stop: &'a Stop<'a>,
-    sequence: Sequence,
 }
 
 impl<'a> Pass<'a> {
     /// Samples that the pixel at a column and a row is to have.
     fn count(&self, [x, y]: [usize; 2]) -> u32 {
-        self.goal.counts(x, y)[self.sequence.half as usize]
+        self.goal.count(x, y)
     }
 
-    /// Brings one pixel after the other to its count; false where stopped.
-    fn sample_one_by_one(&self, samples: &mut Samples, work: &mut TileWork) -> bool {
-        for i in 0..samples.sums.len() {
+    /// Brings one pixel after the other to its count, until it is stopped.
+    fn sample_one_by_one(&self, samples: &mut Samples, work: &mut TileWork) {
+        for i in 0..self.rect.width * self.rect.height {
             let [x, y] = self.rect.place(i);
             let stride = self.goal.stride;
             if stride > 1 && (x % stride != 0 || y % stride != 0) {
                 continue;
             }
             if self.stop.late() {
-                return false;
+                return;
             }
             let is_whole = match self.scene.settings.integrator {
                 Integrator::Mirror => self.sample_mirror([x, y], samples, i, work),
                 _ => self.sample_paths([x, y], samples, i, work),
             };
             if !is_whole {
-                return false;
+                return;
             }
         }
-        true
     }
 
     /// Brings pixel `i` to its count by paths; false where stopped.
     fn sample_paths(&self, place: [usize; 2], samples: &mut Samples, i: usize, work: &mut TileWork) -> bool {
         let count = self.count(place);
-        while samples.sums[i].samples < count {
-            let begin = samples.sums[i].samples;
+        let mut begin = samples.count(i);
+        while begin < count {
             let group = self.scene.splitting.group(begin);
             let primary = self.primary(place, begin, &mut work.rays);
-            for number in begin..group.end.min(count) {
+            let end = group.end.min(count);
+            for number in begin..end {
                 if self.stop.cancelled() {
                     return false;
                 }
-                let sample = path::radiance(&primary, &mut self.sampler(place, number), &mut work.rays);
-                self.add(samples, i, sample, work);
+                let mut rays = 0;
+                let sample = path::radiance(&primary, &mut self.sampler(place, number), &mut rays);
+                self.add(samples, i, number, sample, rays, work);
             }
+            begin = end;
         }
         true
     }
 
     /// Brings pixel `i` to its count by mirrored rays; false where stopped.
     fn sample_mirror(&self, place: [usize; 2], samples: &mut Samples, i: usize, work: &mut TileWork) -> bool {
-        let count = self.count(place);
-        while samples.sums[i].samples < count {
+        for number in samples.count(i)..self.count(place) {
             if self.stop.cancelled() {
                 return false;
             }
-            let (number, rays) = (samples.sums[i].samples, &mut work.rays);
+            let mut rays = 0;
             let sampler = || self.sampler(place, number);
-            let sample = if number == 0 && self.sequence.half == 0 {
-                mirror::radiance(self.scene, self.ray(place, Vec2::splat(0.5)), sampler, rays)
+            let sample = if number == 0 {
+                mirror::radiance(self.scene, self.ray(place, Vec2::splat(0.5)), sampler, &mut rays)
             } else {
                 let mut sampler = sampler();
-                mirror::radiance(self.scene, self.jittered_ray(place, &mut sampler), || sampler, rays)
+                mirror::radiance(self.scene, self.jittered_ray(place, &mut sampler), || sampler, &mut rays)
             };
-            self.add(samples, i, sample, work);
+            self.add(samples, i, number, sample, rays, work);
         }
         true
     }
 
-    /// Brings groups of pixels, which share their paths, to one count after the other; false where stopped.
-    fn sample_in_groups(&self, samples: &mut Samples, work: &mut TileWork) -> bool {
-        let (count, rect) = (samples.sums.len(), self.rect);
+    /// Brings groups of pixels, which share their paths, to one count after the other, until it is stopped.
+    fn sample_in_groups(&self, samples: &mut Samples, work: &mut TileWork) {
+        let rect = self.rect;
+        let count = rect.width * rect.height;
         let most = (0..count).map(|i| self.count(rect.place(i))).max().unwrap_or(0);
-        let least = samples.sums.iter().map(|sum| sum.samples).min().unwrap_or(0);
-        let groups = Groups::new(self.scene.path_group, self.sequence.seed, self.in_view([rect.x, rect.y]));
+        let least = (0..count).map(|i| samples.count(i)).min().unwrap_or(0);
+        let groups =
+            Groups::new(self.scene.path_group, self.scene.settings.seed.into(), self.in_view([rect.x, rect.y]));
         let mut pixels = Vec::with_capacity(count);
         let mut members = Members::default();
         reuse::runs(least..most).all(|run| {
-            pixels.clear();
-            pixels.extend((0..count).map(|i| rect.place(i)).filter(|place| self.count(*place) > run.start));
-            groups.each(&mut pixels, run.start, &mut |group| {
-                self.sample_group(group, run.clone(), samples, &mut members, work)
+            (0..self.goal.parts()).all(|part| {
+                let is_in = |place: &[usize; 2]| self.goal.part(*place) == part && self.count(*place) > run.start;
+                pixels.clear();
+                pixels.extend((0..count).map(|i| rect.place(i)).filter(is_in));
+                groups.each(&mut pixels, run.start, &mut |group| {
+                    self.sample_group(group, run.clone(), samples, &mut members, work)
+                })
             })
-        })
+        });
     }
 
     /// Takes a run of samples of those pixels of a group that are to have them; false where stopped.
@@ -190,7 +166,7 @@ impl<'a> Pass<'a> {
         for number in run {
             let members = || (0..).zip(group).filter(|(_, place)| self.count(**place) > number);
             // they have their samples all together
-            let is_done = |place: &[usize; 2]| samples.sums[self.rect.index(*place)].samples > number;
+            let is_done = |place: &[usize; 2]| samples.count(self.rect.index(*place)) > number;
             if members().next().is_none_or(|(_, place)| is_done(place)) {
                 continue;
             }
@@ -209,17 +185,31 @@ impl<'a> Pass<'a> {
             reuse::share(self.scene, paths);
             for (path, (member, &place)) in paths.iter().zip(members()) {
                 let sample = primaries[member].sample(path.reflected);
-                self.add(samples, self.rect.index(place), sample, work);
-                work.rays += path.rays;
+                self.add(samples, self.rect.index(place), number, sample, path.rays, work);
             }
         }
         true
     }
 
+    /// Adds sample number `number` of pixel `i`, which took so many rays. Those from the camera that it may share with
+    /// others are one more of the first one's, however many they are.
     #[inline]
-    fn add(&self, samples: &mut Samples, i: usize, sample: RadianceSample, work: &mut TileWork) {
-        samples.add(i, kept(self.scene, sample.radiance), sample.coverage);
+    fn add(
+        &self,
+        samples: &mut Samples,
+        i: usize,
+        number: u32,
+        sample: RadianceSample,
+        rays: u64,
+        work: &mut TileWork,
+    ) {
+        samples.add(i, self.goal.half(number), kept(self.scene, sample.radiance), sample.coverage);
+        if self.goal.parts() > 1 {
+            let is_first = self.scene.splitting.group(number).start == number;
+            samples.add_rays(i, rays + u64::from(is_first));
+        }
         work.samples += 1;
+        work.rays += rays;
     }
 
     /// The number of a pixel within the whole view, so that a part of it has the same samples, where paths are neither
@@ -227,8 +217,14 @@ impl<'a> Pass<'a> {
     fn in_view(&self, [x, y]: [usize; 2]) -> [u32; 2] {
         [(x as i32 + self.view_min[0]) as u32, (y as i32 + self.view_min[1]) as u32]
     }
+    /// The points of a sample of a pixel.
     fn sampler(&self, place: [usize; 2], number: u32) -> Sampler {
-        self.sequence.sampler(self.in_view(place), number)
+        let (seed, pixel) = (self.scene.settings.seed.into(), self.in_view(place));
+        match () {
+            () if !spreads_blue_noise(&self.scene.settings) => Sampler::new(seed, pixel, number),
+            () if self.goal.parts() > 1 => adaptive::blue_noise(seed, pixel, number),
+            () => Sampler::blue_noise(seed, pixel, number),
+        }
     }
     fn ray(&self, [x, y]: [usize; 2], in_pixel: Vec2) -> Ray {
         self.scene.camera.ray(Vec2::new(x as f32, y as f32) + in_pixel)

@@ -73,25 +73,23 @@ impl Picture {
     /// Adds passes until the picture is finished (true) or the job is cancelled (false).
     pub fn render(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         while self.film.tile_count() > 0 {
-            let Some((samples, stride)) = self.next_pass() else { break };
-            if self.prepared_at.is_none() && self.done >= self.samples_before() {
-                self.prepare(shared, pool);
+            let is_due = self.done >= self.samples_before() && self.done < self.most();
+            if is_due && self.prepared_at.is_none() && !self.prepare(shared, pool) {
+                if shared.cancelled().load(Ordering::Relaxed) {
+                    return false;
+                }
+                break;
             }
+            if self.is_adaptive() && self.plan.is_none() && is_due && self.done == self.pilot() {
+                self.decide(pool);
+            }
+            let Some((samples, stride)) = self.next_pass() else { break };
             self.trace_light(shared, pool, samples);
             match self.pass(shared, pool, samples, stride) {
                 Passed::Cancelled => return false,
                 Passed::TimeIsUp => break,
                 Passed::Whole if stride > 1 => self.coarse += 1,
                 Passed::Whole => self.done = samples,
-            }
-            if self.is_adaptive() && self.plan.is_none() && self.done == self.pilot() {
-                let started = Instant::now();
-                let settings = &self.scene.settings;
-                let (target, most) = (settings.converged_variance, settings.converged_samples_per_pixel);
-                // pixels that share paths have their samples together
-                let by_tile = self.scene.path_group > 1;
-                self.plan = Some(pool.install(|| adaptive::plan(&self.film, target, most, by_tile)));
-                self.seconds += started.elapsed().as_secs_f64();
             }
         }
         let relative_variance = self.film.mean_relative_variance().unwrap_or(-1.0);
@@ -104,8 +102,8 @@ impl Picture {
 
     /// Decides how the samples to come are taken: where they take more rays from the camera, how they find caustics,
     /// how many pixels share their paths, and whether paths are split, each of the last two judged with caustics as
-    /// they are found and without the other. All is left as it was where it was stopped.
-    fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) {
+    /// they are found and without the other. False, and all left as it was, where it was stopped.
+    fn prepare(&mut self, shared: &Shared, pool: &ThreadPool) -> bool {
         let started = Instant::now();
         let stop = self.stop(shared, started);
         let samples = self.most_likely().saturating_sub(self.done);
@@ -127,15 +125,24 @@ impl Picture {
             (scene.path_group, scene.splitting, scene.edges) = (1, Splitting::NONE, None);
         } else {
             self.prepared_at = Some(self.done);
-            let all = scene.settings.converged_samples_per_pixel;
-            let per_sequence = if scene.settings.converged_variance >= 0.0 { all / 2 } else { all };
             *self.rays.get_mut() += rays;
             shared.update_stats(|s| {
                 s.edge_pixels = scene.edges.as_ref().map_or(0, EdgeMap::pixels);
                 s.path_group = scene.path_group as u32;
-                s.samples_a_ray = scene.splitting.share(per_sequence);
+                s.samples_a_ray = scene.splitting.share(scene.settings.converged_samples_per_pixel);
             });
         }
+        self.seconds += started.elapsed().as_secs_f64();
+        self.prepared_at.is_some()
+    }
+
+    /// Decides how many samples pixels get, by their pilot.
+    fn decide(&mut self, pool: &ThreadPool) {
+        let started = Instant::now();
+        let target = self.scene.settings.converged_variance;
+        // pixels that share paths have their samples together
+        let by_tile = self.scene.path_group > 1;
+        self.plan = Some(pool.install(|| adaptive::plan(&self.film, target, self.most(), by_tile)));
         self.seconds += started.elapsed().as_secs_f64();
     }
 
@@ -146,21 +153,20 @@ impl Picture {
         let (stop, film) = (self.stop(shared, started), self.film.desc());
         let size = [film.width, film.height];
         let [all, without] = [samples, before].map(|samples| self.goal(samples, 1));
-        let (totals, before) = ([all.totals(size), without.totals(size)], without.counts(0, 0));
-        for half in 0..2 {
-            let until = tracing.paths(totals[0][half].saturating_sub(totals[1][half]));
+        for (part, (all, without)) in all.totals(size).into_iter().zip(without.totals(size)).enumerate() {
+            let until = tracing.paths(all.saturating_sub(without));
             loop {
-                let first = self.film.light()[half].paths();
+                let first = self.film.light()[part].paths();
                 let numbers = first..until.min(LightTracing::end_of_chunk(first));
                 if numbers.is_empty() {
                     break;
                 }
-                let trace = || tracing.trace(&self.scene, film, numbers.clone(), half, &stop);
+                let trace = || tracing.trace(&self.scene, film, numbers.clone(), part, &stop);
                 let (splats, rays) = pool.install(trace);
                 if stop.now() {
                     break;
                 }
-                self.film.light()[half].add(numbers.end, &splats, size[0] * size[1], before[half]);
+                self.film.light()[part].add(numbers.end, &splats, size[0] * size[1], before);
                 self.rays.fetch_add(rays, Ordering::Relaxed);
                 shared.update_stats(|s| s.light_paths += numbers.len() as u64);
             }
@@ -170,15 +176,20 @@ impl Picture {
 
     /// Samples a pixel that searches and trials are to pay for.
     fn most_likely(&self) -> u32 {
-        let most = self.scene.settings.converged_samples_per_pixel;
+        let most = self.most();
         let pixels = self.film.desc().width * self.film.desc().height;
         let typical = TYPICAL.max((TYPICAL_OF_ALL / pixels.max(1)) as u32);
         if self.is_adaptive() { most.min(typical) } else { most }
     }
 
-    /// Samples a pixel that are taken before it is decided how the others are.
+    /// Samples a pixel that are taken before it is decided how the others are: of adaptive pictures all of the pilot, of
+    /// which no part is to find caustics by itself and another one not.
     fn samples_before(&self) -> u32 {
-        if self.may_end_early() { SAMPLES_BEFORE } else { 0 }
+        match () {
+            () if !self.may_end_early() => 0,
+            () if self.is_adaptive() => self.pilot(),
+            () => SAMPLES_BEFORE,
+        }
     }
 
     /// There may be an end at any time, or somebody who watches.
@@ -202,13 +213,17 @@ impl Picture {
         self.scene.settings.integrator == Integrator::Raster
     }
 
+    /// Most samples of a pixel.
+    fn most(&self) -> u32 {
+        self.scene.settings.converged_samples_per_pixel
+    }
+
     fn pilot(&self) -> u32 {
-        adaptive::pilot(self.scene.settings.converged_samples_per_pixel)
+        adaptive::pilot(self.most())
     }
 
     /// Samples a pixel and stride of the next pass; `None` where the picture is finished.
     fn next_pass(&self) -> Option<(u32, usize)> {
-        let settings = &self.scene.settings;
         let small_steps = !self.is_rasterised() && self.may_end_early();
         if small_steps && self.done == 0 && self.coarse < COARSE.len() {
             return Some((1, COARSE[self.coarse]));
@@ -216,7 +231,7 @@ impl Picture {
         let (largest, most) = match &self.plan {
             Some(plan) => (PLANNED_PASS, plan.bounds()[1]),
             None if self.is_adaptive() => (FINAL_PASS, self.pilot()),
-            None => (FINAL_PASS, settings.converged_samples_per_pixel),
+            None => (FINAL_PASS, self.most()),
         };
         let step = if small_steps { (self.done / 2).clamp(1, largest) } else { largest };
         // whole rays
@@ -226,7 +241,7 @@ impl Picture {
     /// Samples that all passes together take, as far as that is known.
     fn whole(&self) -> f64 {
         let pixels = (self.film.desc().width * self.film.desc().height) as f64;
-        let most = pixels * f64::from(self.scene.settings.converged_samples_per_pixel);
+        let most = pixels * f64::from(self.most());
         self.plan.as_ref().map_or(most, |plan| plan.total() as f64)
     }
 

@@ -169,7 +169,7 @@ pub fn assert_same_for_threads_and_stops(
     scene: impl Fn() -> Session,
     finish_and_check: impl Fn(&Session),
 ) {
-    for (interactive, target) in [(0, -1.0), (1, -1.0), (0, 1e-4)] {
+    for (interactive, target) in [(0, -1.0), (1, -1.0), (0, 1e-4), (1, 1e-4)] {
         let picture = |threads, stops: u32| {
             let session = scene();
             session.edit(setting("umber:threads", threads)).unwrap();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use umber_sampling::Sampler;
 
-/// Distinguishes the random numbers of groups from those of the picture, beside a half's number.
+/// Distinguishes the random numbers of groups from those of the picture.
 const STREAM: u64 = 4;
 
 /// So many samples in a row have the same groups: points of a pixel are stratified over such runs, and so are then

@@ -10,8 +10,9 @@ use umber_scene::{
 };
 
 use super::LARGEST_GROUP;
+use crate::adaptive::{self, Plan};
 use crate::compile::Compiler;
-use crate::film::Film;
+use crate::film::{self, Film};
 use crate::integrator::{Goal, Stop, Target, render_tile};
 use crate::scene::RenderScene;
 use crate::{Aov, FilmDesc};
@@ -104,12 +105,7 @@ fn picture(scene: &mut RenderScene, group: usize, seed: u32, target: Target<'_>)
         let tile = film.tile(index);
         for i in 0..tile.rect.width * tile.rect.height {
             let [x, y] = tile.rect.place(i);
-            pixels[y * SIZE + x] = tile
-                .sums(i)
-                .iter()
-                .filter(|sum| sum.samples > 0)
-                .map(|sum| sum.radiance().dot(umber_math::DVec3::ONE))
-                .sum();
+            pixels[y * SIZE + x] = film::radiance(tile.samples.sums(i)).dot(umber_math::DVec3::ONE);
         }
     }
     pixels
@@ -165,8 +161,41 @@ fn a_matt_room_has_the_same_mean_and_much_less_variance() {
 }
 
 #[test]
-fn halves_of_an_adaptive_picture_share_as_well() {
+fn pixels_of_each_color_of_an_adaptive_picture_share_as_well() {
     assert!(ratio_of_variances(room(matt(0.7), matt(0.4)), Target::Pilot(SAMPLES)) < 0.45);
+}
+
+/// By paths that are shared or not, with blue noise or without, wherever the film lies in the view.
+#[test]
+fn the_samples_of_a_color_do_not_depend_on_the_counts_of_the_other() {
+    let mut scene = room(matt(0.7), matt(0.4));
+    for (group, watched, corner) in
+        [(1, false, [0, 0]), (LARGEST_GROUP, false, [-3, 0]), (LARGEST_GROUP, true, [2, -5])]
+    {
+        (scene.path_group, scene.settings.enable_interactive) = (group, watched);
+        let picture = |others: u32| {
+            let plan = Plan::of([SIZE; 2], |place| if adaptive::color(place) == 0 { 24 } else { others });
+            let film = Film::new(FilmDesc { data_window_min: corner, ..FilmDesc::new(SIZE, SIZE, &[Aov::Color]) });
+            let (goal, cancel) =
+                (Goal { samples: 64, stride: 1, target: Target::Planned(&plan) }, AtomicBool::new(false));
+            let mut pixels = vec![DVec3::ZERO; SIZE * SIZE];
+            for index in 0..film.tile_count() {
+                render_tile(&scene, &film, index, &goal, &Stop { cancel: &cancel, deadline: None });
+                let tile = film.tile(index);
+                for i in 0..tile.rect.width * tile.rect.height {
+                    let [x, y] = tile.rect.place(i);
+                    pixels[y * SIZE + x] = film::radiance(tile.samples.sums(i));
+                }
+            }
+            [0, 1].map(|of| {
+                let places = (0..SIZE * SIZE).filter(|i| adaptive::color([i % SIZE, i / SIZE]) == of);
+                places.map(|i| pixels[i]).collect::<Vec<_>>()
+            })
+        };
+        let [few, many] = [picture(16), picture(48)];
+        assert!(few[0] == many[0], "groups of {group}, watched {watched}");
+        assert!(few[1] != many[1]);
+    }
 }
 
 #[test]
