@@ -15,7 +15,7 @@
 //! Of all allocations with the same mean relative variance, the one with counts proportional to the square root of a
 //! pixel's relative variance, per sample, takes the fewest (Neyman 1934). Equal error everywhere would take as many
 //! samples as equal counts: the n ∝ v rule has mean error t at mean count E[v] / t, as n = const has. Where samples
-//! differ in cost, the square root is that of variance over cost ([`weight`]).
+//! differ in cost, the square root is that of variance over cost, for which rays stand ([`weight`]).
 
 mod estimate;
 
@@ -24,8 +24,8 @@ use umber_sampling::Sampler;
 use crate::film::Film;
 use estimate::{Estimate, estimates};
 
-/// Samples of the pilot, a pixel. 32 tell more, and took 1.03 (metal) to 1.1 times (chess) as many rays: they are too
-/// many where little is to be seen.
+/// Samples of the pilot, a pixel. 32 tell more, and took 1.03 (metal) to 1.1 times (chess) as many rays, measured when
+/// the halves of a pixel decided: they are too many where little is to be seen.
 const PILOT: u32 = 16;
 /// Bins of the distribution of weights, an octave.
 const BINS_PER_OCTAVE: f64 = 16.0;
@@ -111,8 +111,8 @@ pub(crate) fn plan(film: &Film, target: f32, most: u32, by_tile: bool) -> Plan {
 }
 
 /// What the square of a pixel's count is to be in proportion to: its variance over the root of its rays, as these are
-/// part of the cost. Over the rays themselves it takes 1.03 times as long to the same error on the chess set and .99 to
-/// 1.01 on metal, by the variance alone 1.05 on both.
+/// part of the cost. Over the rays themselves it takes 1.03 times as long to the same error on the chess set and 1.01 on
+/// metal; by variances alone, which rays have no part in either, 1.05 on both.
 fn weight(pixel: &Estimate) -> f64 {
     pixel.variance / pixel.rays.sqrt()
 }

@@ -23,6 +23,10 @@ impl LightImage {
     pub fn paths(&self) -> u32 {
         self.paths
     }
+    /// Whether first samples of each pixel went without light paths, so that their weight goes by a pixel's count.
+    pub fn begins_late(&self) -> bool {
+        self.before > 0
+    }
     /// Adds what the paths up to number `until` bring to a film of so many pixels, of which so many samples each were
     /// taken before there were any.
     pub fn add(&mut self, until: u32, splats: &[Splat], pixels: usize, before: u32) {

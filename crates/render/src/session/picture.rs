@@ -28,6 +28,7 @@ const TYPICAL: u32 = 64;
 const TYPICAL_OF_ALL: usize = 1 << 20;
 
 /// Where somebody watches, or the time is limited, so many samples a pixel are shown before searches and trials.
+/// Of adaptive pictures they are the first half of the pilot.
 const SAMPLES_BEFORE: u32 = 8;
 
 /// What has samples, and how many.
@@ -182,14 +183,9 @@ impl Picture {
         if self.is_adaptive() { most.min(typical) } else { most }
     }
 
-    /// Samples a pixel that are taken before it is decided how the others are: of adaptive pictures all of the pilot, of
-    /// which no part is to find caustics by itself and another one not.
+    /// Samples a pixel that are taken before it is decided how the others are.
     fn samples_before(&self) -> u32 {
-        match () {
-            () if !self.may_end_early() => 0,
-            () if self.is_adaptive() => self.pilot(),
-            () => SAMPLES_BEFORE,
-        }
+        if self.may_end_early() { SAMPLES_BEFORE } else { 0 }
     }
 
     /// There may be an end at any time, or somebody who watches.
