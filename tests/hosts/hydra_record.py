@@ -13,6 +13,7 @@ import argparse
 import sys
 
 from engine import EngineRecorder
+from leave import leave
 from pxr import Sdf, Tf, Usd, UsdAppUtils, UsdGeom, UsdImagingGL, UsdRender, UsdUtils
 
 DONE, COULD_NOT_RENDER, BAD_ARGUMENTS = 0, 1, 2
@@ -190,4 +191,4 @@ def configure(
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

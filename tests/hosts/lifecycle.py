@@ -16,6 +16,7 @@ import sys
 import time
 from pathlib import Path
 
+from leave import leave
 from pxr import CameraUtil, Gf, Glf, Plug, Sdf, Usd, UsdGeom, UsdImagingGL, UsdLux, UsdShade, Vt
 
 PLUGIN = "HdUmberRendererPlugin"
@@ -180,4 +181,4 @@ def resident_mib() -> float:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

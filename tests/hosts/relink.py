@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from engine import EngineRecorder
+from leave import leave
 from pxr import Sdf, Usd, UsdAppUtils, UsdGeom, UsdLux
 
 PLUGIN = "HdUmberRendererPlugin"
@@ -66,4 +67,4 @@ def main(path: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    leave(main(sys.argv[1]))
