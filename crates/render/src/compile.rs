@@ -75,7 +75,8 @@ pub struct Compiler {
     render_materials: Arc<[RenderMaterial]>,
     lights: LightCompiler,
     emitters: EmitterCompiler,
-    light_set: Arc<LightSet>,
+    /// None before the first compile: even an empty one is built on the threads it is to be built on.
+    light_set: Option<Arc<LightSet>>,
     linking: Option<Arc<Linking>>,
     said: HashSet<Message>,
     built: Built,
@@ -161,7 +162,7 @@ impl Compiler {
             let (light_set, links) = self.lights.compile(store.lights(), render_from_world, bounds, emitters, warn);
             let membership = self.top.as_ref().and_then(|top| top.membership.as_ref());
             self.linking = Linking::new(membership, &links, &light_set).map(Arc::new);
-            self.light_set = Arc::new(light_set);
+            self.light_set = Some(Arc::new(light_set));
         }
         Ok(self.scene(render_camera, store))
     }
@@ -181,7 +182,7 @@ impl Compiler {
             instance_count,
             meshes: Arc::clone(&self.render_meshes),
             materials: Arc::clone(&self.render_materials),
-            lights: Arc::clone(&self.light_set),
+            lights: self.light_set.clone().unwrap_or_default(),
             linking: self.linking.clone(),
             partly_present,
             caustics: None,
