@@ -12,7 +12,8 @@ def leave(code: int) -> NoReturn:
 
     UsdImaging throws its caches away on background threads, and lets nobody wait for them. Where they hold prims that
     Python knows of, they ask for the interpreter's lock; a Python before 3.14 that is being taken down ends such a
-    thread by unwinding it, and C++ answers with std::terminate. Engines and stages must be gone when this is called.
+    thread by unwinding it, and C++ answers with std::terminate. Let engines and stages go before: what is still there
+    is not destroyed, and so not tested. Blender's hosts end as Python does.
     """
     sys.stdout.flush()
     sys.stderr.flush()

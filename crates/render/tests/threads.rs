@@ -3,21 +3,17 @@
 
 mod common;
 
-use std::fs;
 use std::time::{Duration, Instant};
 
 use common::*;
 use umber_render::Session;
 
-/// Threads of this process that are Umber's: a thread without a name has that of the one that started it.
+/// Threads of this process.
 fn threads() -> usize {
-    let tasks = fs::read_dir("/proc/self/task").unwrap().flatten();
-    // one that ends meanwhile has none
-    let names = tasks.flat_map(|task| fs::read_to_string(task.path().join("comm")));
-    names.filter(|name| name.starts_with("umber")).count()
+    std::fs::read_dir("/proc/self/task").unwrap().count()
 }
 
-/// Threads that end are not waited for by those who end them.
+/// Whether there come to be so many threads within ten seconds: those that end are not waited for.
 fn become_threads(count: usize) -> bool {
     let started = Instant::now();
     while threads() != count && started.elapsed() < Duration::from_secs(10) {
@@ -26,24 +22,26 @@ fn become_threads(count: usize) -> bool {
     threads() == count
 }
 
-/// Metal with all that is done before and between passes.
+/// A picture with all that is done before and between passes.
 fn render(threads: i64) -> Session {
-    let session = metal_and_lamp(64);
+    let session = metal_and_lamp(1024);
     session.edit(setting("umber:threads", threads)).unwrap();
     session.edit(number("convergedVariance", 1e-3)).unwrap();
     finish(&session);
+    assert!(session.stats().light_paths > 0);
     session
 }
 
 #[test]
 fn a_session_has_the_threads_it_may_have_and_takes_them_along() {
+    let before = threads();
     let one = render(1);
-    assert!(become_threads(1 + 1), "{} threads of a session that may have 1 and its own", threads());
+    assert!(become_threads(before + 2), "{} of a session that may have 1 and its own", threads() - before);
     let three = render(3);
-    assert!(become_threads(1 + 1 + 3 + 1), "{} threads of two sessions", threads());
+    assert!(become_threads(before + 2 + 4), "{} of two sessions", threads() - before);
     three.edit(setting("umber:threads", 2)).unwrap();
     finish(&three);
-    assert!(become_threads(1 + 1 + 2 + 1), "{} threads after another setting", threads());
+    assert!(become_threads(before + 2 + 3), "{} after another setting", threads() - before);
     drop((one, three));
-    assert!(become_threads(0), "{} threads stay", threads());
+    assert!(become_threads(before), "{} stay", threads() - before);
 }

@@ -88,6 +88,8 @@ fn decode_exr(bytes: &[u8]) -> Result<LinearImage, String> {
         )
         .first_valid_layer()
         .all_attributes()
+        // it would start threads of its own, one for each core; unpacking is the lesser part of the work
+        .non_parallel()
         .from_buffered(std::io::Cursor::new(bytes));
     image.map(|i| i.layer_data.channel_data.pixels).map_err(|e| e.to_string())
 }
