@@ -75,7 +75,8 @@ pub struct Compiler {
     render_materials: Arc<[RenderMaterial]>,
     lights: LightCompiler,
     emitters: EmitterCompiler,
-    /// None before the first compile: even an empty one is built on the threads it is to be built on.
+    /// None before the first compile: building even an empty one here, outside of the session's pool, would start rayon's
+    /// own.
     light_set: Option<Arc<LightSet>>,
     linking: Option<Arc<Linking>>,
     said: HashSet<Message>,
